@@ -183,7 +183,7 @@ def records_at(  # noqa: PLR0913 a path and its place
     found = [] if found is None else [found] if isinstance(found, dict) else found
     parts = source.object_list(found, f"`{name}` must be a list of objects; {_mend(form)}", line)
     around: Json = {}
-    if isinstance(whole, dict) and inherited in whole:
+    if inherited and isinstance(whole, dict) and inherited in whole:
         around = {inherited: whole[inherited]}
     for part in parts[:1] if first else parts:
         inner = {**around, **part} if around else part
