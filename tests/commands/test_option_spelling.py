@@ -21,13 +21,13 @@ ELSEWHERE = {
     "base/extras.py": "an option of another program",
     "base/files/reach.py": "names the option by which a user permits a folder",
     "packs/banks/write.py": "names the option that keeps bigrams for one character",
+    "packs/finding.py": "names the option by which a user permits a folder",
+    "sound/speech/hearing/sphinx/folder.py": "names the option by which a user permits a folder",
     "packs/project.py": "names the option by which a user permits a folder",
     "render/fonts.py": "an option of another program",
     "resolver/bank_diff.py": "the command's own report",
     "schedules/tiers.py": "names the option that chooses a tier",
     "schedules/readers/polly.py": "an option of another program",
-    "plugins/festival/festival_engine.py": "an option of another program",
-    "plugins/whisper/whisper_recogniser.py": "an option of another program",
 }
 """Modules whose strings may name options, with the reason."""
 

@@ -1,4 +1,4 @@
-"""What a command refuses when it performs, `validate` refuses before."""
+"""Faults that a command refuses when it performs: `validate` refuses them before."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""What a language adds to the one that it extends, and what it replaces."""
+"""Fields that a language adds to those of the one it extends, and fields that it replaces."""
 
 import pytest
 

@@ -102,7 +102,7 @@ def formats_for(project: Project, path: Path) -> list[tuple[str, str]]:
 
 
 def check_files(pack: Pack[Project], files: Iterable[Path]) -> Iterator[Fault]:
-    """Yield where a file with a suffix of the open project's formats fits none of them."""
+    """Yield the faults of files that have a suffix of the open project's formats, and no fit."""
     for path in files:
         told: list[Fault] = []
         for kind, name in formats_for(pack.model, path):

@@ -338,6 +338,8 @@ def test_every_set_is_found_in_any_spelling(style, name):
     shapes = {pose: spell(pose, {**style, "first": False, "long": True}) for pose in poses}
     if len({folded(shape) for shape in shapes.values()}) < len(shapes):
         return  # spelled so, two poses are one name
+    if len(shapes) == 1 and style["prefix"]:
+        return  # one shape has no prefix that others share
     some = of_set(SETS[name])
     assert called(some, [*shapes.values()]) == {pose: [own] for pose, own in shapes.items()}
 
