@@ -486,7 +486,7 @@ class PairPacks:
         return found
 
     def _place(self, phoneme: str) -> str:
-        """Return where the target of a phoneme stands, or what it was solved from."""
+        """Return the place of a phoneme's target, or of the mouth that it was solved for."""
         own = phoneme in self.character.model.targets
         if not own and self.solved is not None and phoneme in self.solved.targets:
             kind = "shades" if phoneme in self.common.model.shades else "phonemes"

@@ -97,6 +97,41 @@ def ll_model(path):
     return read_model(path)
 
 
+FACEFX = LIBRARY.poseset("facefx").model
+
+
+def facefx_gains(**apertures):
+    """Effects of poses of which `open` opens, `W` rounds and some open besides."""
+    gains = np.zeros((4, len(FACEFX.poses)))
+    for pose, aperture in ({"open": 0.5} | apertures).items():
+        gains[0, [*FACEFX.poses].index(pose)] = aperture
+    gains[1:3, [*FACEFX.poses].index("W")] = -0.5, 0.25
+    return gains
+
+
+def test_every_solved_target_names_each_pose_that_opens_the_mouth():
+    gains = facefx_gains(ShCh=0.3)
+    for name, steps in targets(FACEFX, gains).items():
+        assert all({"open", "ShCh"} <= step.weights.keys() for step in steps), name
+
+
+def test_a_solution_holds_to_the_look_as_firmly_as_the_set_says():
+    lips = []
+    for look in (0.0, 0.3, 3.0):
+        solved = targets(FACEFX.model_copy(update={"look": look}), facefx_gains())
+        lips.append(solved["w"][0].weights["W"])
+    declared = FACEFX.targets["w"][0].weights["W"]
+    assert lips[0] < lips[1] < lips[2] <= declared
+    assert declared - lips[2] < 0.1
+
+
+def test_what_a_kept_pose_does_is_left_out_of_what_is_solved():
+    opened = [
+        targets(FACEFX, facefx_gains(**kept))["f"][0].weights["open"] for kept in ({}, {"FV": 0.05})
+    ]
+    assert opened[1] < opened[0] - 0.03
+
+
 def test_reach_moves_every_mouth_farther(tmp_path):
     poseset = LIBRARY.poseset("arkit").model
     path = face(tmp_path / "head.glb", *ARKIT)

@@ -37,7 +37,7 @@ FREED = str.maketrans("\x01\x02", "{}")
 
 @reader("ink", suffixes=[".ink"])
 def read(source: LineFile) -> Iterator[Line]:
-    """Ink scripts: lines, choices and what is said after them, without logic, diverts and tags."""
+    """Ink scripts: lines, and choices as shown and as said, without logic, diverts and tags."""
     blocks: list[bool] = []
     commented = False
     for number, row in source.numbered():

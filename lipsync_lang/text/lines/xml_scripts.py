@@ -28,7 +28,7 @@ INLINE_CODES = ("x", "ph")
 """Elements of XLIFF that stand for a value; all others without a text are tags."""
 
 PLACEHOLDER_NAMES = ("equiv-text", "disp", "equiv", "id")
-"""Attributes of an element without a text that tell what it stands for, the clearest first."""
+"""Attributes that name the content of an element without a text, the clearest first."""
 
 
 @dataclass(frozen=True)
