@@ -4,8 +4,8 @@ A decorator adds an extension to its `Extensions` registry; built-in extensions 
 same decorators. A plug-in distribution declares an entry point in the group `lipsync_lang.KIND`,
 for example `lipsync_lang.writers`, with the name of the module to import.
 
-Built-in extensions take precedence. They are imported on first use, and entry points are read only
-for names without a built-in match.
+Built-in extensions take precedence. They are imported on first use, and the entry points of other
+distributions are read only for names without a built-in match.
 """
 
 import logging
@@ -95,7 +95,7 @@ class Extensions(Mapping[str, T]):
         self.modules = dict(modules or {})
         self.known: dict[str, T] = {}
         self.origins: dict[str, str] = {}
-        self._plugged = False
+        self._plugged = self._joined = False
 
     def add(self, name: str, value: T, module: str) -> None:
         """Register a value defined in `module`; called by the decorators.
@@ -216,6 +216,18 @@ D = TypeVar("D", bound=Callable[..., object])
 class Formats(Extensions[F]):
     """File formats by name and by file suffix."""
 
+    def built_in(self) -> dict[str, F]:
+        """Return the program's own formats, those of its plug-ins among them.
+
+        The formats compete for a file by its content and its suffix, so all of them take part.
+        """
+        with _lock:
+            if not self._joined:
+                self._joined = True
+                for entry_point in _own(self.group):
+                    _load(entry_point)
+        return super().built_in()
+
     def ending(self, path: Path) -> list[F]:
         """Return the formats with a matching suffix of a path, longest suffix first."""
         found = _ending(path, self.built_in())
@@ -327,24 +339,32 @@ def faults_of_plug_in(name: str) -> list[str]:
     return [str(one.message) for one in told]
 
 
-def _every() -> Iterator[EntryPoint]:
+def _own(group: str) -> list[EntryPoint]:
+    """List the program's own entry points of a group; other distributions are not read."""
+    return [one for one in _every("lipsync_lang") if one.group == group and one.dist == PROGRAM]
+
+
+def _every(start: str = "") -> Iterator[EntryPoint]:
     """Return our entry points of each distribution, in the first folder that has it."""
     found: dict[str, list[EntryPoint]] = {}
     for folder in dict.fromkeys(sys.path):
-        found = {**_declared(folder), **found}
+        found = {**_declared(folder, start), **found}
     return chain.from_iterable(found.values())
 
 
 @cache
-def _declared(folder: str) -> dict[str, list[EntryPoint]]:
-    """Return our entry points in a folder by distribution, faster than `importlib.metadata`."""
+def _declared(folder: str, start: str) -> dict[str, list[EntryPoint]]:
+    """Return our entry points in a folder by distribution, faster than `importlib.metadata`.
+
+    `start` is the start of the names of folders or files that describe the distributions.
+    """
     found: dict[str, list[EntryPoint]] = {}
     try:
         names = os.listdir(folder or ".")  # noqa: PTH208 paths of hundreds of names take longer
     except OSError:
         return found
     for name in names:
-        if name.endswith((".dist-info", ".egg-info", ".egg")):
+        if name.startswith(start) and name.endswith((".dist-info", ".egg-info", ".egg")):
             inner = Path(folder, name, "EGG-INFO" if name.endswith(".egg") else "")
             text = _text(inner / "entry_points.txt")
             if "[lipsync_lang." not in text:
