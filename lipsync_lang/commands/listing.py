@@ -62,7 +62,11 @@ def formats(options: Namespace) -> int:
         ("judge", ANIMATION_READERS),
         ("write", WRITERS),
     )
-    rows = [(kind, f.name, f.suffixes, f.title) for kind, known in kinds for f in known.values()]
+    rows = [
+        (k, name, one.suffixes, one.title)
+        for k, known in kinds
+        for name, one in sorted(known.items())
+    ]
     if options.json:
         keys = ("direction", "name", "suffix", "title")
         told = [(kind, name, " ".join(suffixes), title) for kind, name, suffixes, title in rows]

@@ -12,7 +12,7 @@ from places import ROOT
 
 PLUG_INS = (
     *("capture", "cluster", "festival", "heads", "htk", "mfa"),
-    *("phonemizer", "smartbody", "study", "whisper"),
+    *("phonemizer", "smartbody", "study", "timings", "whisper"),
 )
 
 CLOSABLE = (*(f"plugins/{room}" for room in PLUG_INS), "faces/players")

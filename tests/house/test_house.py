@@ -65,7 +65,7 @@ ROOMS = {
     "production": ({"builds", "live"},),
     "plugins": (
         {"capture", "cluster", "heads", "study"},
-        {"festival", "htk", "mfa", "phonemizer", "smartbody", "whisper"},
+        {"festival", "htk", "mfa", "phonemizer", "smartbody", "timings", "whisper"},
     ),
 }
 """Floors of rooms within a wing, from the ground up; "" is the modules beside the rooms."""
@@ -289,7 +289,7 @@ EXEMPT = {
     ("*/facefx.py", "facefx"): "the program's format and its pose set have one name",
     ("*/sapi.py", "sapi*"): "the program's format and its notation have one name",
     ("*/smartbody.py", "smartbody"): "the name of the format",
-    ("schedules/readers/bml.py", "smartbody"): "the notation that the format is in",
+    ("plugins/timings/bml.py", "smartbody"): "the notation that the format is in",
     ("schedules/readers/record_formats.py", "oculus"): "the notation that a format is in",
     ("schedules/readers/json.py", "HH"): "the example of the format's form",
     ("packs/finding.py", "vrm"): "the suffix of files in the format",

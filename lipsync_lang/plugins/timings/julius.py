@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from lipsync_lang.base.errors import ScheduleError
+from lipsync_lang import ScheduleError
 from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
 from lipsync_lang.schedules.tiers import Tier, only
 

@@ -7,8 +7,14 @@ a `.words` file beside each `.phones` file. After `;` a line has further fields.
 
 import re
 
-from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader, schedule_of
-from lipsync_lang.schedules.timed_words import timed_words_of
+from lipsync_lang.schedules import (
+    LabelRow,
+    TimingFile,
+    Timings,
+    reader,
+    schedule_of,
+    timed_words_of,
+)
 
 HEADER_END = re.compile(r"^[ \t]*#[ \t]*\n+[ \t]*\d+(?:\.\d*)?[ \t]+-?\d+[ \t]", re.MULTILINE)
 """The end of the header, and the first label."""

@@ -16,8 +16,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from lipsync_lang.base.json_object import Json
+from lipsync_lang.plugins.timings.azure import LAST_VISEME, TICKS_PER_SECOND
 from lipsync_lang.schedules import SILENCE, LabelRow, Schedule, TimingFile, reader, schedule_of
-from lipsync_lang.schedules.readers.azure import LAST_VISEME, TICKS_PER_SECOND
 from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, shapes_of
 
 SAPI_NOTATION = "sapi-visemes"

@@ -6,8 +6,8 @@ drawing shown from that frame on. The frames per second are the animation's and 
 
 import re
 
+from lipsync_lang.plugins.timings import papagayo, rhubarb
 from lipsync_lang.schedules import SILENCE, Schedule, TimingFile, reader
-from lipsync_lang.schedules.readers import papagayo, rhubarb
 from lipsync_lang.schedules.rows import Start, shapes_of, until_next
 
 MOHO_HEADER = "MohoSwitch1"

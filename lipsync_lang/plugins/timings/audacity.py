@@ -5,8 +5,15 @@ A line that begins with a backslash holds the frequencies of the label above, an
 
 import re
 
-from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader, schedule_of
-from lipsync_lang.schedules.timed_words import are_words, timed_words_of
+from lipsync_lang.schedules import (
+    LabelRow,
+    TimingFile,
+    Timings,
+    reader,
+    schedule_of,
+    timed_words_of,
+)
+from lipsync_lang.schedules.timed_words import are_words
 
 LABEL = re.compile(r"(-?\d+(?:[.,]\d+)?)\t(-?\d+(?:[.,]\d+)?)(?:\t(.*))?")
 

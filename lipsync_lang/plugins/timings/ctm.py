@@ -7,9 +7,16 @@ Lines that begin with two semicolons are comments. Kaldi appends the place in th
 import re
 from collections import defaultdict
 
-from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader, schedule_of
+from lipsync_lang.schedules import (
+    LabelRow,
+    TimingFile,
+    Timings,
+    reader,
+    schedule_of,
+    timed_words_of,
+)
 from lipsync_lang.schedules.tiers import Tier, only
-from lipsync_lang.schedules.timed_words import are_words, timed_words_of
+from lipsync_lang.schedules.timed_words import are_words
 
 CTM_COMMENT = ";;"
 CTM_CONFIDENCE = r"0?\.\d+|[01]|1\.0*"

@@ -5,8 +5,14 @@ The words are in a file of the same name with `.wrd` beside it.
 
 import re
 
-from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader, schedule_of
-from lipsync_lang.schedules.timed_words import timed_words_of
+from lipsync_lang.schedules import (
+    LabelRow,
+    TimingFile,
+    Timings,
+    reader,
+    schedule_of,
+    timed_words_of,
+)
 
 SAMPLES_PER_SECOND = 16_000.0
 

@@ -1,0 +1,1 @@
+"""Timings: readers of the files that aligners, voices and programs of mouth shapes write."""
