@@ -31,7 +31,7 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.base.errors import LipsyncError, OutputError
 from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import find_reader
+from lipsync_lang.schedules.timing_readers import TIMING_READERS, find_reader
 
 assert WRITERS, "a sweep over nothing passes"
 every_writer = pytest.mark.parametrize("writer", WRITERS.values(), ids=WRITERS)
@@ -180,6 +180,8 @@ def as_timings(name):
     """Return a check that a file of timings contains the schedule, without stress and words."""
 
     def check(content, animation):
+        if name not in TIMING_READERS:
+            pytest.skip("the plug-in that reads it was removed")
         found = find_reader(source := TimingFile(Path(f"line.{name}"), content), name).read(source)
         assert found.labels == animation.schedule.labels
         np.testing.assert_allclose(found.times, animation.schedule.times, atol=6e-4)

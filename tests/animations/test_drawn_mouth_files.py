@@ -16,10 +16,9 @@ import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS, find_writer
 from lipsync_lang.animations.held import HOLD_SECONDS, REST_WEIGHT, held, strongest
-from lipsync_lang.animations.writers.moho import SWITCH_FPS, unstated_rate, write_moho
+from lipsync_lang.animations.writers.moho import unstated_rate, write_moho
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.faces.rigs.channel import Channel
-from lipsync_lang.schedules.readers.moho import MOHO_FPS
 
 RHUBARB = ("rhubarb-tsv", "rhubarb-xml", "rhubarb-json")
 every_form = pytest.mark.parametrize("name", RHUBARB)
@@ -367,17 +366,12 @@ def test_a_face_without_rhubarbs_shapes_is_told_who_has_them():
         bytes_of("rhubarb-tsv", performed("facefx"))
 
 
-def test_moho_is_written_at_the_rate_at_which_it_is_read(tmp_path):
-    assert SWITCH_FPS == MOHO_FPS
+def test_a_rate_of_moho_that_nobody_has_stated_is_told():
     rows = [[0], [1], [1], [0], [0], [0]]
     usual = plain(rows, 60, end=2.0, poses=("wide",))
     assert [*unstated_rate(usual)]
     stated = replace(usual, export=ExportSettings(frame_rate=60))
     assert [*unstated_rate(stated)] == [*unstated_rate(plain(rows, 30, poses=("wide",)))] == []
-    usual.save(tmp_path / "line.dat")
-    stated.save(tmp_path / "fine.dat")
-    assert ll.read_schedule(tmp_path / "line.dat").end == pytest.approx(2, abs=1 / 48)
-    assert ll.read_schedule(tmp_path / "fine.dat", rate=60).end == pytest.approx(2, abs=1 / 120)
 
 
 def test_moho_takes_the_names_of_any_drawings():

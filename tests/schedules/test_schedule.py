@@ -1,12 +1,12 @@
 """Schedules: refusals, words, and readers."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from places import TESTS
 
 import lipsync_lang as ll
 from lipsync_lang.base.errors import ScheduleError
@@ -175,10 +175,7 @@ assert TIMING_READERS, "a sweep over nothing passes"
 WORDS_ONLY = {".words", ".wrd"}
 """Suffixes of files with times of words only."""
 
-EXAMPLES = {
-    path.stem: path.read_bytes().decode()
-    for path in sorted((Path(__file__).parent / "examples").iterdir())
-}
+EXAMPLES = {path.stem: path.read_bytes().decode() for path in sorted(TESTS.glob("**/examples/*.*"))}
 """The same line in every input format."""
 
 ONLY_WORDS = {

@@ -1,13 +1,17 @@
 """Files of annotation tools and of voices: ELAN, SPPAS, EMU, VOICEVOX, aligners' JSON, Moho."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from timing_texts import spoken
 
 import lipsync_lang as ll
+from lipsync_lang.animations.animation import ExportSettings
+from lipsync_lang.animations.writers.moho import SWITCH_FPS
 from lipsync_lang.base.errors import ScheduleError
+from lipsync_lang.plugins.timings.moho import MOHO_FPS
 
 
 def eaf(tiers, slots):
@@ -244,6 +248,16 @@ def test_moho_says_which_rate_it_takes_and_which_shapes_it_has(read):
     assert read("line.dat", "MohoSwitch1\n1 X\n4 A\n9 X\n").notation == "rhubarb"
     with pytest.raises(ScheduleError, match=r"line.dat:3: 'four MBP' is not a frame and a drawing"):
         read("line.dat", "MohoSwitch1\n1 rest\nfour MBP\n")
+
+
+def test_moho_is_written_at_the_rate_at_which_it_is_read(tmp_path):
+    assert SWITCH_FPS == MOHO_FPS
+    usual = ll.resolve("english", "rhubarb").perform(ll.Schedule(("M", "AA1"), (0, 0.5, 2)))
+    stated = replace(usual, export=ExportSettings(frame_rate=60))
+    usual.save(tmp_path / "line.dat")
+    stated.save(tmp_path / "fine.dat")
+    assert ll.read_schedule(tmp_path / "line.dat").end == pytest.approx(2, abs=0.1)
+    assert ll.read_schedule(tmp_path / "fine.dat", rate=60).end == pytest.approx(2, abs=0.1)
 
 
 @pytest.mark.parametrize(
