@@ -2,7 +2,9 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+# uv takes a third of the time. Where it fails (no wheel of it, an index that only pip's settings name), pip installs.
+PIP = packages() { $(BIN)/uv pip install --quiet --python $(BIN)/python "$$@" 2> /dev/null \
+  || $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile "$$@"; }; packages
 LOWEST := $(VENV)-lowest
 RECORDINGS ?= articulography
 TEXTS ?= text
@@ -23,22 +25,21 @@ help: ## list the targets
 $(BIN)/python:
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed: make PYTHON=python3.12") if sys.version_info < (3, 11) else 0'
 	$(PYTHON) -m venv --without-pip $(VENV)
-	@$(PYTHON) -m pip --quiet --python $@ install --no-compile pip 2> /dev/null || $(PYTHON) -m venv $(VENV)
+	@$(PYTHON) -m pip --quiet --python $@ install --no-compile pip uv 2> /dev/null || $(PYTHON) -m venv $(VENV)
 
 # If there is a C compiler, an editable install builds the compiled kernel in place.
 KERNEL := hatch_build.py lipsync_lang/pipeline/kernel.c
 
-# Bytecode is made at the first import: that of all modules, most of which nothing imports, takes 15 s and 100 MB.
 $(VENV)/demo: pyproject.toml $(KERNEL) | $(BIN)/python
-	$(PIP) --no-compile --editable '.[speech,plot,studio]'
+	@$(PIP) --editable '.[speech,plot,studio]'
 	touch $@
 
 $(VENV)/ready: pyproject.toml $(KERNEL) | $(BIN)/python
-	$(PIP) --no-compile --editable '.[all,whisper,dev,docs]'
+	@$(PIP) --editable '.[all,whisper,dev,docs]'
 	touch $(VENV)/demo $(VENV)/docs $@
 
 $(VENV)/docs: pyproject.toml $(KERNEL) | $(BIN)/python
-	$(PIP) --no-compile --editable '.[docs]'
+	@$(PIP) --editable '.[docs]'
 	touch $@
 
 demo: $(VENV)/demo ## speak a sentence and draw how its curves were made
@@ -96,13 +97,13 @@ $(CONSUMERS)/fetched: tests/browser/package.json
 usd: $(VENV)/usd ## fetch the library of USD, which reads .usda in the tests (pip, 209 MB)
 
 $(VENV)/usd: | $(VENV)/ready
-	$(PIP) usd-core
+	@$(PIP) usd-core
 	touch $@
 
 atheris: $(VENV)/atheris ## fetch what lets coverage guide the fuzzing (pip, Linux)
 
 $(VENV)/atheris: | $(VENV)/ready
-	$(PIP) atheris
+	@$(PIP) atheris
 	touch $@
 
 lint: $(VENV)/ready ## check style
