@@ -11,6 +11,7 @@ import pytest
 from file_bytes import bytes_of
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import needs_plug_ins
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
@@ -290,6 +291,7 @@ def test_an_offset_delays_what_is_shown(name, offset):
         assert at(rows, middle + offset) in near
 
 
+@needs_plug_ins
 @pytest.mark.parametrize("suffix", [".tsv", ".xml", ".rhubarb.json"])
 def test_our_own_reader_takes_the_files_for_rhubarbs(suffix, tmp_path):
     animation = performed()

@@ -59,9 +59,6 @@ def test_what_a_schedule_does_not_say_is_said_for_it(animate, cli, folder):
     assert cli("run", *PAIR, "--schedule", "line.odd", *told, "-o", "b.csv").code == 0
     animate("-o", "a.csv")
     assert (folder / "a.csv").read_bytes() == (folder / "b.csv").read_bytes()
-    (folder / "line.odd").write_text("0 1600 HH\n", "utf-8")
-    assert cli("run", *PAIR, "--schedule", "line.odd", "--read-as", "timit").code == 0
-    refused(cli("run", *PAIR, "--schedule", "line.odd"), "may be htk or timit; choose one")
 
 
 def test_a_channel_of_a_recording_is_chosen(animate, folder):

@@ -55,10 +55,10 @@ def test_printed_json_stays_json(cli):
     assert not COMMANDING.search(ended.out)
 
 
-def test_a_channel_that_nobody_knows_is_named_as_text(folder, cli):
-    rows = "".join(f"a {channel} 0.1 0.1 HH\n" for channel in ("1", f"2{EVIL[:-1]}"))
-    (folder / "line.ctm").write_text(rows)
-    ended = cli("run", *PAIR, "--schedule", "line.ctm", "--read-as", "ctm")
+def test_a_speaker_whom_nobody_knows_is_named_as_text(folder, cli):
+    rows = "".join(f"HH,0.1,0.2,{speaker}\n" for speaker in ("1", f"2{EVIL[:-1]}"))
+    (folder / "line.csv").write_text(f"label,start,end,speaker\n{rows}")
+    ended = cli("run", *PAIR, "--schedule", "line.csv")
     assert ended.code == 2
     harmless(ended.err)
 

@@ -16,7 +16,7 @@ import lipsync_lang as ll
 from lipsync_lang.base.errors import LipsyncError, SpeechError
 from lipsync_lang.packs.finding import beside
 from lipsync_lang.pipeline.motion import LEAST_SPEED
-from lipsync_lang.schedules.timing_file import ROOT_TAG
+from lipsync_lang.schedules.timing_file import ROOT_TAG, TimingFile
 from lipsync_lang.sound.speech.hearing.sphinx.folder import find_models, project_models
 from lipsync_lang.text.lines.markup import spoken
 from lipsync_lang.text.phonology.labels import looser
@@ -171,7 +171,7 @@ LINKS = {
     "script.csv": BUILD,
     "script": BUILD,
     "vo": BUILD,
-    "vo/a.lab": BUILD,
+    "vo/a.TextGrid": BUILD,
     "vo/a.wav": BUILD,
     "coverage.csv": ("coverage", "--json"),
     "takes": BUILD,
@@ -191,7 +191,7 @@ def game(project):
     """A project with a script, below a folder of secrets that look like its own files."""
     outside = project.parent / "outside"
     outside.mkdir()
-    for name in ("mine.yaml", "poseset.yaml", "common.yaml", "a.lab", "a.wav", "script.csv"):
+    for name in ("mine.yaml", "poseset.yaml", "common.yaml", "a.TextGrid", "a.wav", "script.csv"):
         (outside / name).write_text(f"{PRIVATE}: {PRIVATE}\n")
     (project / "characters").rmdir()
     (project / "script.csv").write_text("id,text\na,hello\n")
@@ -205,7 +205,7 @@ def everything(folder):
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-QUICK = ("characters/mine.yaml", "script.csv", "vo/a.lab", "coverage.csv", "build/report.html")
+QUICK = ("characters/mine.yaml", "script.csv", "vo/a.TextGrid", "coverage.csv", "build/report.html")
 
 
 @pytest.mark.parametrize("link", swept(LINKS, quick=QUICK))
@@ -298,17 +298,17 @@ def test_nothing_opens_a_connection(project, monkeypatch):
 
 @pytest.mark.parametrize("entity", ["<!DOCTYPE a [<!ENTITY b 'c'>]>", "<!ENTITY a 'b'>"])
 def test_xml_reads_no_entities(project, entity):
-    file = project / "line.bml"
+    file = project / "line.xml"
     file.write_text(f"<?xml version='1.0'?>{entity}<bml/>")
     with pytest.raises(LipsyncError, match="which is never read; remove it"):
-        ll.read_schedule(file, read_as="bml")
+        _ = TimingFile.of(file).xml
 
 
 def test_the_definition_of_an_xml_document_is_not_read(project):
-    file = project / "line.bml"
+    file = project / "line.xml"
     file.write_text("<!DOCTYPE a SYSTEM 'file:///etc/passwd'><bml>&a;</bml>")
     with pytest.raises(LipsyncError, match="not XML: undefined entity"):
-        ll.read_schedule(file, read_as="bml")
+        _ = TimingFile.of(file).xml
 
 
 def test_remarks_before_xml_are_passed_over_once():

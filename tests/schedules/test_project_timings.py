@@ -106,13 +106,13 @@ def test_faults_of_rows_have_their_places(cli, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     rows = """  json:
     words: {text: a, start: b, end: c}
-  htk:
+  textgrid:
     words: {text: a, start: b, duration: c}
 """
     (tmp_path / "lipsync.yaml").write_text(PROJECT + rows)
     ended = cli("validate")
     assert "lipsync.yaml:9:3: P106 there is a format 'json' already" in ended.out
-    assert "lipsync.yaml:11:3: P106 there is a format 'htk' already" in ended.out
+    assert "lipsync.yaml:11:3: P106 there is a format 'textgrid' already" in ended.out
     rows = """  two:
     words: {text: a, start: b}
   none:

@@ -184,19 +184,10 @@ def test_words_are_performed_by_the_command(tmp_path, monkeypatch, capsys):
 
 
 def test_labels_too_long_for_phones_are_words():
-    track = "0.1\t0.3\tmy\n0.3\t0.8\tmaps\n0.8\t0.9\t[noise]\n0.9\t1.2\tare here\n"
-    found = timings_of(TimingFile(Path("labels.txt"), track.encode()))
-    assert [word.text for word in found.words] == ["my", "maps", "are here"]
     assert are_words(["你", "好"])
     assert are_words(["안녕", "네"])
     assert not are_words(["tɕʰ", "aː˨˩˦", "spn", "ŋ", "AE1", "sil"])
     assert not are_words(["sil", ""])
-    ctm = "line 1 0.10 0.20 hello 0.98\nline 1 0.29 0.31 there\nline 1 0.7 0.1 <eps> 1.0\n"
-    found = timings_of(TimingFile(Path("line.ctm"), ctm.encode()))
-    assert spans(found) == [("hello", 0.1, 0.295), ("there", 0.295, 0.6)]
-    assert [word.confidence for word in found.words] == [0.98, None]
-    words = timings_of(TimingFile(Path("line.WRD"), b"1600 4800 hi\n4800 8000 you\n"))
-    assert spans(words) == [("hi", 0.1, 0.3), ("you", 0.3, 0.5)]
 
 
 def test_of_two_speakers_words_one_is_asked_for():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import needs_plug_ins
 
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.schedules.schedule import Audio, Schedule, Word
@@ -25,6 +26,7 @@ def again(suffix, schedule, folder):
     return read_schedule(path)
 
 
+@needs_plug_ins
 @pytest.mark.parametrize("suffix", sorted(TIMING_WRITERS.keys() - {"txt"}))
 def test_what_is_written_is_read_back(suffix, tmp_path):
     found = again(suffix, LINE, tmp_path)
@@ -52,6 +54,7 @@ def schedules(draw):
     return Schedule(tuple(labels), np.cumsum([0, *steps]) / 1000, tuple(words))
 
 
+@needs_plug_ins
 @given(schedules())
 def test_reading_back_gives_the_same_schedule(tmp_path_factory, schedule):
     folder = tmp_path_factory.mktemp("timings")
@@ -62,6 +65,7 @@ def test_reading_back_gives_the_same_schedule(tmp_path_factory, schedule):
         assert found.words == (() if suffix == "txt" else schedule.words), suffix
 
 
+@needs_plug_ins
 def test_what_is_before_zero_is_left_out_but_in_json(tmp_path):
     early = replace(LINE, times=LINE.times - 0.2)
     for suffix in ("TextGrid", "eaf", "csv", "txt"):
@@ -71,6 +75,7 @@ def test_what_is_before_zero_is_left_out_but_in_json(tmp_path):
     assert again("json", early, tmp_path).start == pytest.approx(-0.2)
 
 
+@needs_plug_ins
 def test_boundaries_within_a_millisecond_stay_apart_in_elan(tmp_path):
     close = replace(LINE, times=np.array([0, 0.1, 0.1002, 0.3, 0.3003, 0.7]))
     found = again("eaf", close, tmp_path)

@@ -148,6 +148,15 @@ def test_two_numbers_and_a_label_need_a_suffix_or_a_name(read):
 # BAS Partitur
 
 
+def test_an_option_says_which_of_two_formats_a_file_has(folder, cli):
+    (folder / "line.odd").write_text("0 1600 HH\n", "utf-8")
+    run = ("run", "-l", "english", "-c", "facefx", "--schedule", "line.odd", "-o", "line.csv")
+    asked = cli(*run)
+    assert asked.code == 2
+    assert "may be htk or timit; choose one" in asked.err
+    assert cli(*run, "--read-as", "timit").code == 0
+
+
 def test_partitur_counts_samples_at_its_own_rate(read):
     text = "LHD: 1\nSAM: 8000\nLBD:\nORT:\t0\tja\nMAU:\t0\t799\t-1\t<p:>\nMAU:\t800\t799\t0\tj\n"
     schedule = read("line.par", text + "MAU:\t1600\t799\t0\ta:\n")

@@ -1,6 +1,5 @@
 """Words that a dictionary lacks: found by an aligner, and read by the language."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -60,20 +59,8 @@ item []:
 """
 
 
-def gentle(*words):
-    return {"words": [*words]}
-
-
-def found(word, start, *phones):
-    given = [{"phone": phone, "duration": seconds} for phone, seconds in phones]
-    return {"word": word, "case": "success", "start": start, "end": 9, "phones": given}
-
-
-HI = found("hi", 0.0, ("hh_B", 0.1), ("ay_E", 0.2))
-LOST = {"word": "mama", "case": "not-found-in-audio"}
 FILES = {
     "line.TextGrid": TEXTGRID,
-    "line.json": json.dumps(gentle(HI, found("babapomo", 0.3, ("oov_S", 0.9)))),
     "line.ctm.csv": "label,start,end,word\nHH,0,.1,hi\nAY1,.1,.3,hi\n<unk>,.3,1.2,babapomo\n",
 }
 
@@ -112,25 +99,3 @@ def test_the_rest_of_a_schedule_stays_as_it_is(tmp_path):
     assert len(schedule.stress) == len(schedule)
     none = replace(read, labels=("HH", "AY1", "AA1", read.labels[-1]))
     assert ll.fill_words(none, "english") is none
-
-
-def test_noise_beside_words_stays_noise(tmp_path):
-    path = tmp_path / "line.json"
-    path.write_text(json.dumps(gentle(HI, found("<unk>", 0.3, ("oov_S", 0.9)))))
-    assert words_without_phonemes(ll.read_schedule(path)) == []
-
-
-def test_words_that_gentle_lost_between_two_others_are_said_there(tmp_path):
-    path = tmp_path / "line.json"
-    late = found("hi", 0.9, ("hh_B", 0.1), ("ay_E", 0.2))
-    path.write_text(json.dumps(gentle(LOST, HI, LOST, LOST, late, LOST)))
-    read = ll.read_schedule(path)
-    assert [word.text for word in read.words] == ["hi", "mama mama", "hi"]
-    rests, doubtful = read.remarks
-    assert rests.endswith("not found in the recording, so the mouth rests: mama, mama")
-    assert doubtful.endswith("they are doubtful where they fill a gap: mama, mama")
-    schedule = ll.fill_words(read, "english")
-    word = schedule.words[1]
-    assert schedule.times[[word.first, word.stop]] == pytest.approx([0.3, 0.9])
-    path.write_text(json.dumps(gentle(HI, LOST, LOST, found("hi", 0.4, ("ay_S", 0.2)))))
-    assert [word.text for word in ll.read_schedule(path).words] == ["hi", "hi"]
