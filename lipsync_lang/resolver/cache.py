@@ -94,13 +94,17 @@ def compiler(folders: tuple[str, ...] = COMPILERS) -> str:
 def _key(language: str, character: str, paths: Sequence[Path]) -> str:
     """Return the file key of a pair: its names, search paths and project, as JSON.
 
-    A folder without packs is not a project, so that all such folders share a file.
+    Folders without packs are left out, so that all projects without packs share a file.
     """
+    here = Path.cwd()
+    searched = [str(path.absolute()) for path in paths if path.is_file() or _has_packs(path)]
+    return json.dumps([language, character, searched, str(here) if _has_packs(here) else ""])
+
+
+def _has_packs(folder: Path) -> bool:
     from lipsync_lang.packs.finding import FOLDERS
 
-    here = Path.cwd()
-    project = str(here) if any((here / folder).exists() for folder in FOLDERS.values()) else ""
-    return json.dumps([language, character, [str(p.absolute()) for p in paths], project])
+    return any((folder / kind).exists() for kind in FOLDERS.values())
 
 
 def _path(key: str) -> Path | None:

@@ -105,6 +105,7 @@ def test_folders_without_packs_share_the_cache(store, tmp_path, monkeypatch):
         (tmp_path / name).mkdir()
         monkeypatch.chdir(tmp_path / name)
         ll.resolve("english", "rhubarb")
+        ll.resolve("english", "rhubarb", paths=[tmp_path / name])
     assert only(store)
     monkeypatch.chdir(plant(tmp_path / "owner"))
     assert not warm("english", "rhubarb"), "a project may have packs of these names"
