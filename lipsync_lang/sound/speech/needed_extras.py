@@ -53,8 +53,8 @@ def providers(needed: Mapping[str, Iterable[str]]) -> dict[str, list[str]]:
 
 def missing_for(needed: Mapping[str, Iterable[str]]) -> dict[str, list[str]]:
     """Return the missing ones of the `providers` of what is needed."""
-    missing = {one.name for one in extras() if one.missing()}
-    return {name: users for name, users in providers(needed).items() if name in missing}
+    known = {one.name: one for one in extras()}
+    return {name: users for name, users in providers(needed).items() if known[name].missing()}
 
 
 def missing_words(missing: Mapping[str, Iterable[str]]) -> str:
