@@ -6,7 +6,7 @@ import sqlite3
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from shutil import rmtree
+from shutil import copytree, rmtree
 from zipfile import ZipFile
 
 import numpy as np
@@ -38,10 +38,25 @@ def game(tmp_path, monkeypatch, capsys):
     return Game(tmp_path, capsys)
 
 
-@pytest.fixture
-def built(game):
-    assert game.build().built == ALL
+@pytest.fixture(scope="session")
+def first_builds(tmp_path_factory):
+    """Folder of projects as their first builds left them."""
+    return tmp_path_factory.mktemp("first_builds")
+
+
+def as_built(game, kept):
+    """Build a project once in a process, and copy what that left for all other tests."""
+    if kept.exists():
+        copytree(kept, game.folder, dirs_exist_ok=True)
+    else:
+        assert game.build().built == ALL
+        copytree(game.folder, kept)
     return game
+
+
+@pytest.fixture
+def built(game, first_builds):
+    return as_built(game, first_builds / "plain")
 
 
 def test_a_build_makes_every_line_and_the_next_none(game):
@@ -114,13 +129,12 @@ def test_a_moved_project_is_as_it_was(built, monkeypatch):
 
 
 @pytest.fixture
-def paged(game):
+def paged(game, first_builds):
     """A project whose lines have pages, and a bank with a bigram of its own."""
     stated = (game.folder / "lipsync.yaml").read_text()
     game.write("lipsync.yaml", stated.replace("{id}.csv", "{id}.html"))
     game.bank(0.5)
-    assert game.build().built == ALL
-    return game
+    return as_built(game, first_builds / "paged")
 
 
 def test_a_new_bigram_remakes_only_the_pages_that_show_it(paged):
@@ -632,11 +646,10 @@ def test_a_need_is_stored_once(built):
 
 
 @pytest.fixture
-def archived(game):
+def archived(game, first_builds):
     stated = (game.folder / "lipsync.yaml").read_text("utf-8")
     game.write("lipsync.yaml", stated.replace("takes/{id}.csv", "takes/{character}.zip/{id}.csv"))
-    assert game.build().built == ALL
-    return game
+    return as_built(game, first_builds / "archived")
 
 
 def packed(game):
