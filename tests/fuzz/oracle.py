@@ -1,20 +1,20 @@
 """Judge of one input: only package errors, no warnings, and work within a budget.
 
 Work is counted in Python's own calls, and memory in bytes that Python and numpy ask for. Both are
-the same on every machine; no clock is read. An alarm ends an input that hangs in C.
+the same on every machine. A clock only says when the count of a long read is looked at.
 """
 
 import signal
-import sys
 import tracemalloc
 import warnings
 from collections.abc import Callable
+from cProfile import Profile
 from pathlib import Path
 from types import FrameType
 
 from lipsync_lang import LipsyncError
 
-CALLS, CALLS_PER_BYTE = 400_000, 1_000
+CALLS, CALLS_PER_BYTE = 200_000, 500
 """Maximum number of calls of a reader: a constant, and an amount for each byte."""
 
 BYTES, BYTES_PER_BYTE = 64 * 2**20, 1_000
@@ -40,43 +40,46 @@ def judge(read: Callable[[Path], object], path: Path) -> str | None:
     path : the input
     """
     size = path.stat().st_size
-    counter = _Counter(CALLS + CALLS_PER_BYTE * size)
-    previous = signal.signal(signal.SIGALRM, _hangs)
-    signal.alarm(HANG_SECONDS)
+    work = _Work(CALLS + CALLS_PER_BYTE * size)
+    previous = signal.signal(signal.SIGALRM, work.look)
+    signal.setitimer(signal.ITIMER_REAL, 1, 1)
     tracemalloc.start()
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), work.calls:
             warnings.simplefilter("error")
-            sys.setprofile(counter)
-            try:
-                read(path)
-            finally:
-                sys.setprofile(None)
-        return _memory(size)
+            read(path)
+        return work.fault("at its end") or _memory(size)
     except LipsyncError as error:
-        return _message(str(error)) or _memory(size)
+        return _message(str(error)) or work.fault("at its error") or _memory(size)
     except Failure as failure:
         return str(failure)
     except Exception as error:  # noqa: BLE001 whatever escapes is the finding
         return f"{_where(error)}: {type(error).__name__}: {str(error)[:200]}"
     finally:
-        signal.alarm(0)
+        signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, previous)
         tracemalloc.stop()
 
 
-class _Counter:
-    """Counts calls, and ends a reader that exceeds its budget."""
+class _Work:
+    """Calls of a reader: counted in C, which is quicker, and compared with a budget."""
 
     def __init__(self, budget: int) -> None:
-        self.left = budget
+        self.calls, self.budget, self.seconds = Profile(), budget, 0
 
-    def __call__(self, frame: FrameType, event: str, argument: object) -> None:
-        del argument
-        self.left -= 1
-        if self.left < 0:
-            sys.setprofile(None)
-            raise Failure(f"{_line(frame)}: too much work ({event})")
+    def fault(self, where: str) -> str | None:
+        """Return a fault if the budget is exceeded."""
+        many = sum(entry.callcount for entry in self.calls.getstats())
+        return f"{where}: too much work ({many} calls)" if many > self.budget else None
+
+    def look(self, number: int, frame: FrameType | None) -> None:
+        """End a reader that exceeds its budget, or hangs; called each second."""
+        del number
+        self.seconds += 1
+        if told := self.fault(_line(frame)):
+            raise Failure(told)
+        if self.seconds >= HANG_SECONDS:
+            raise Failure(f"{_line(frame)}: hangs")
 
 
 def _memory(size: int) -> str | None:
@@ -92,11 +95,6 @@ def _message(text: str) -> str | None:
     if len(text) > MOST_CHARS:
         return f"a message of {len(text)} characters: {text[:80]}"
     return None
-
-
-def _hangs(number: int, frame: FrameType | None) -> None:
-    del number
-    raise Failure(f"{_line(frame)}: hangs")
 
 
 def _line(frame: FrameType | None) -> str:
