@@ -12,7 +12,7 @@ from places import ROOT
 
 PLUG_INS = (
     *("capture", "cluster", "festival", "heads", "htk", "mfa"),
-    *("phonemizer", "smartbody", "study", "timings", "whisper"),
+    *("phonemizer", "scripts", "smartbody", "study", "timings", "whisper"),
 )
 
 CLOSABLE = (*(f"plugins/{room}" for room in PLUG_INS), "faces/players")
@@ -87,6 +87,7 @@ def test_the_doctor_names_every_plug_in_that_was_removed(without):
     assert "no acoustic model 'htk'" in lost["plug-in htk"]
     assert "no speech engine 'festival'" in lost["plug-in festival"]
     assert "no recogniser 'whisper'" in lost["plug-in whisper"]
+    assert "no line reader 'renpy'" in lost["plug-in scripts"]
 
 
 @full

@@ -65,7 +65,7 @@ ROOMS = {
     "production": ({"builds", "live"},),
     "plugins": (
         {"capture", "cluster", "heads", "study"},
-        {"festival", "htk", "mfa", "phonemizer", "smartbody", "timings", "whisper"},
+        {"festival", "htk", "mfa", "phonemizer", "scripts", "smartbody", "timings", "whisper"},
     ),
 }
 """Floors of rooms within a wing, from the ground up; "" is the modules beside the rooms."""

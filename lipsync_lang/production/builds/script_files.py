@@ -28,10 +28,11 @@ from lipsync_lang.text.lines.columns import (
 from lipsync_lang.text.lines.line_readers import LineFile, Table, by_suffix
 from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning, spoken
 from lipsync_lang.text.lines.table import cell
-from lipsync_lang.text.lines.yarn import LINE_TAG
 
 MAX_SLUG_CHARS = 32
 DIGEST_CHARS = 8
+LINE_TAG = "line:"
+"""Start of the ids in tables of Yarn Spinner, which its scripts leave out of a line's name."""
 
 ENCODING = re.compile(r"`encoding='([\w-]+)'`")
 """An argument of Python in the messages of readers; here it is a field of the project."""

@@ -215,9 +215,10 @@ def reader(
 
 @cache
 def by_suffix() -> dict[str, LineReader]:
-    """Return the reader of each suffix; text formats win over timed phonemes."""
+    """Return the reader of each suffix, tables first; text formats win over timed phonemes."""
     known: dict[str, LineReader] = {}
-    for one in sorted(LINE_READERS.values(), key=lambda one: one.name == SCHEDULE_FORMAT):
+    order = sorted(LINE_READERS.values(), key=lambda one: one.table is None)
+    for one in sorted(order, key=lambda one: one.name == SCHEDULE_FORMAT):
         for suffix in one.suffixes:
             known.setdefault(suffix, one)
     return known

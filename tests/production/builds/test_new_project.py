@@ -1,6 +1,7 @@
 """Projects drafted from recordings and a table: ids by content, folders as placeholders."""
 
 import pytest
+from lanes import needs_plug_ins
 
 TABLE = """\
 line,key,english,deutsch,de
@@ -185,6 +186,7 @@ RENPY = """label start:
 """
 
 
+@needs_plug_ins
 @pytest.mark.parametrize("script", ["game", "game/script.rpy"])
 def test_a_script_that_names_its_lines_makes_a_project_without_columns(folder, cli, script):
     (folder / "game").mkdir()

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from lipsync_lang.text.lines.line_readers import LINE_READERS
+
 SEEDS = Path(__file__).parents[2] / "fuzz" / "seeds" / "lines"
 
 LINES = {
@@ -97,6 +99,8 @@ LINES = {
 }
 """(place, name, speaker, text) of each line, by seed."""
 
+LINES = {seed: lines for seed, lines in LINES.items() if seed.partition("/")[0] in LINE_READERS}
+
 FILES = {Path(seed).suffix: ((SEEDS / seed).read_text("utf-8"), LINES[seed]) for seed in LINES}
-FILES |= {".resw": FILES[".resx"], ".tw": FILES[".twee"]}
+FILES |= {".resw": FILES[".resx"]} | ({".tw": FILES[".twee"]} if ".twee" in FILES else {})
 """Text and lines of one file of each suffix."""

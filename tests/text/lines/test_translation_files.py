@@ -68,7 +68,6 @@ def test_languages_of_one_file_in_json(read):
     assert read("a.xcstrings", catalogue, names=GERMAN) == german
     assert read("a.xcstrings", catalogue, names=ENGLISH)[0] == ("Hello", "Hello")
     assert read("a.xcstrings", catalogue, names=("french", "French", "fr")) == []
-    assert read("de.yml", "en:\n  a: Hello.\nde:\n  a: Hallo.\n", names=GERMAN) == [("a", "Hallo.")]
 
 
 MAPS = "{n, plural, =0 {No map} one {# {kind, select, old {old map} other {map}}} other {# maps}}"
@@ -88,60 +87,17 @@ def test_each_form_of_a_message_is_a_line(read):
     assert read("a.arb", {"many": many}) == [("many", " ".join("Y" * 12))]
 
 
-TERMS = """-map = { $case ->
-   *[nominative] the map
-    [genitive] of the map
-}
-    .gender = neuter
-a = See { -map }, the end { -map(case: "genitive") }.
-    { -none }
-b =
-    { $n ->
-        [one] { -map }
-       *[other] { $n ->
-            [two] two maps
-           *[other] maps
-        }
-    }
-"""
-
-
-def test_terms_and_selectors_of_fluent(read):
-    assert read("a.ftl", TERMS) == [
-        ("a", "See the map, the end of the map."),
-        ("b-one", "the map"),
-        ("b-other-two", "two maps"),
-        ("b-other-other", "maps"),
-    ]
-    known = Cleaning({"n": "1"})
-    assert read("a.ftl", TERMS, cleaning=known)[1:] == [("b", "the map")]
-
-
 @pytest.mark.parametrize(
     ("name", "text"),
     [
         ("a.json", '{"a": "Hello, {{who}}."}'),
-        ("a.ftl", "a = Hello, { $who }.\n"),
         ("a.xlf", xliff('<target>Hello, <x id="who"/>.</target>').replace('id="0"', 'id="a"')),
-        ("a.twee", ":: a\nHello, $who.\n"),
-        ("a.strings", '"a" = "Hello, %@.";'),
     ],
 )
 def test_placeholders_have_the_values_of_the_project(read, name, text):
     values = Cleaning({"who": "Bo", "%@": "Bo"})
     assert [text for _, text in read(name, text, cleaning=values)] == ["Hello, Bo."]
     assert [text for _, text in read(name, text)] == ["Hello,."]
-
-
-def test_names_of_rpg_maker_have_values(read):
-    page = [{"code": 101, "parameters": ["", 0, 0, 2, "Harold"]}]
-    page += [
-        {"code": 401, "parameters": ["\\c[5]Hello\\c[0], \\n[1]."]},
-        {"code": 0, "parameters": []},
-    ]
-    whole = {"events": [None, {"id": 1, "pages": [{"list": page}]}]}
-    values = Cleaning({"\\N[1]": "Bo"})
-    assert read("Map001.json", whole, cleaning=values) == [("Map001.1.0.0", "Hello, Bo.")]
 
 
 BOMB = '<!DOCTYPE r [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;">]>'
@@ -156,7 +112,6 @@ DEEP = MAX_ENTRY_DEPTH * 4
         ("a.xlf", f"{EXTERNAL}<xliff>&a;</xliff>", ":1: has a DOCTYPE with definitions"),
         ("a.xlf", '<!DOCTYPE x SYSTEM "x.dtd"><xliff>&a;</xliff>', ":1: has the entity '&a;'"),
         ("a.resx", f"{EXTERNAL}<root/>", ":1: has a DOCTYPE with definitions"),
-        ("a.stringsdict", f"{EXTERNAL}<plist><string>&a;</string></plist>", ":1: not a property"),
         ("a.xlf", "<x>" * DEEP, f":1: is nested deeper than {MAX_ENTRY_DEPTH * 2} elements"),
         ("a.xlf", xliff("<target>" + "<g>" * DEEP), ":1: is nested deeper"),
         ("a.xlf", "<xliff>\n<file></xliff>", ":2: not XML: mismatched tag"),
@@ -165,30 +120,12 @@ DEEP = MAX_ENTRY_DEPTH * 4
         ("a.json", '{"a":' * DEEP + '"x"' + "}" * DEEP, f"deeper than {MAX_ENTRY_DEPTH} levels"),
         ("a.json", "[" * 100_000, "nested too deep"),
         ("a.json", '{"a": "x",\n"b": }', ":2:6: not JSON"),
-        ("a.yml", "de: [" + "[" * DEEP + "x" + "]" * DEEP + "]", f"deeper than {MAX_ENTRY_DEPTH}"),
-        ("a.yml", "de:\n  a: [", ":2: not YAML"),
-        ("a.yml", "just a text", ":1: has no language"),
-        ("a.ftl", "a = b\n\n= c\n", ":3: not Fluent: = c"),
-        ("a.strings", '"a" = "b";\n\n"c" "d";\n', ':3: not a pair: "c" "d";'),
-        ("a.stringsdict", "<plist><array/></plist>", ":1: has no keys"),
-        ("a.stringsdict", "<plist></dict></plist>", ":1: not a property list"),
-        ("a.stringsdict", "<plist><key>a</key></plist>", ":1: not a property list"),
     ],
 )
 def test_attacks_and_damage_are_refused_by_a_limit_or_at_a_place(read, name, text, message):
     with pytest.raises(LipsyncError) as refused:
         read(name, text)
     assert message in str(refused.value)
-
-
-def test_aliases_within_aliases_are_counted(read):
-    rows = ["a: &a [x, x, x, x, x, x, x, x, x, x]"]
-    rows += [
-        f"{two}: &{two} [{', '.join([f'*{one}'] * 10)}]"
-        for one, two in ("ab", "bc", "cd", "de", "ef")
-    ]
-    with pytest.raises(LipsyncError, match="more than 200,000 texts"):
-        read("a.yml", "\n".join(rows))
 
 
 def test_a_file_above_the_limit_is_refused(read, monkeypatch):

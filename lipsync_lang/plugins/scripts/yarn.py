@@ -25,7 +25,7 @@ YARN_ESCAPE = re.compile(r"\\([:#/<>])")
 CHARACTER = re.compile(
     r"\[character\s+name\s*=\s*\"?(?P<who>[^\"\[\]]*)\"?[^\[\]]*\]|\[/character\]"
 )
-LINE_TAG = "line:"
+NAMING_TAG = "line:"
 
 
 @reader("yarn", suffixes=[".yarn"])
@@ -54,8 +54,8 @@ def _spoken(source: LineFile, number: int, text: str) -> Iterator[Line]:
         tag = pieces[-1].strip()
         if len(tag.split()) != 1 or pieces[-2][-1:].strip():
             break  # a hash within the text
-        if tag.startswith(LINE_TAG):
-            name = tag.removeprefix(LINE_TAG)
+        if tag.startswith(NAMING_TAG):
+            name = tag.removeprefix(NAMING_TAG)
         pieces.pop()
     text = "#".join(pieces).removeprefix("->").removeprefix("=>").strip()
     if jump := JUMP.match(text):

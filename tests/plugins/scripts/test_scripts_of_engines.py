@@ -4,6 +4,7 @@ import time
 
 import pytest
 
+from lipsync_lang import LipsyncError
 from lipsync_lang.text.lines import read_lines
 
 RENPY = '''\
@@ -191,3 +192,17 @@ Anna: See \[this\], please.
         ("Bo", "Hello."),
         ("Cy", "Go."),
     ]
+
+
+def test_yarn_without_a_node_is_refused(read):
+    with pytest.raises(LipsyncError, match="no Yarn node"):
+        read("Anna: Hello.\n", ".yarn")
+
+
+ROWS = {"<<" * 200_000: 1, "#a " * 200_000: 0, " " * 400_000 + "x": 1, "[[" * 99_999: 1}
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.strip()[:2])
+def test_yarn_of_any_form_is_read_in_one_pass(read, row):
+    """Such rows would take hours if the time grew with the square of their length."""
+    assert len(read(f"---\n{row}\n", ".yarn")) == ROWS[row]

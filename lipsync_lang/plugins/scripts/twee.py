@@ -7,8 +7,8 @@ SugarCube, Harlowe and Chapbook are left out, and so are passages of scripts, st
 import re
 from collections.abc import Iterator
 
+from lipsync_lang.plugins.scripts.yarn import speaker_before
 from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
-from lipsync_lang.text.lines.yarn import speaker_before
 
 HEAD_END = re.compile(r"(?<!\\)[\[{]")
 PASSAGE_TAGS = re.compile(r"(?<!\\)\[([^\]]*)\]")

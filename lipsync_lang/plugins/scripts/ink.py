@@ -8,8 +8,8 @@ several rows, and each of its branches is spoken. Of alternatives within a row, 
 import re
 from collections.abc import Iterator
 
+from lipsync_lang.plugins.scripts.yarn import speaker_before
 from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
-from lipsync_lang.text.lines.yarn import speaker_before
 
 INK_COMMENT = re.compile(r"(?<![\\:])//.*|/\*(?:.*?(?P<closed>\*/)|.*)")
 INK_LOGIC = re.compile(r"=|~|VAR\b|CONST\b|LIST\b|EXTERNAL\b|INCLUDE\b|TODO:|->|<-")

@@ -9,7 +9,6 @@ from xml.parsers.expat import ExpatError
 
 from lipsync_lang.text.lines.entries import ScriptEntry, entry_lines, whole_file
 from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
-from lipsync_lang.text.lines.properties import unescaped
 
 QUOTED_TEXT = r"\"((?:[^\"\\]|\\.)*)\""
 APPLE_PAIR = re.compile(
@@ -53,7 +52,8 @@ def _pairs(source: LineFile, text: str) -> Iterator[ScriptEntry]:
 
 
 def _apple_escape(found: re.Match[str]) -> str:
-    return found[0] if found[2] == "n" else unescaped(found)
+    code, one = found.groups()
+    return chr(int(code, 16)) if code else found[0] if one == "n" else one
 
 
 @reader("stringsdict", suffixes=[".stringsdict"])

@@ -1,0 +1,1 @@
+"""Scripts: readers of the lines of single engines and programs, each with a logic of its own."""
