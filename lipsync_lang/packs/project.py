@@ -5,9 +5,11 @@ to the root. Folders above are searched nowhere else: a file in a shared folder 
 folder would change commands of everybody below it.
 """
 
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files.reach import is_reached, refuse_outside
 from lipsync_lang.packs.yaml.faults import PackFaults
 
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from lipsync_lang.packs.models import Project
+    from lipsync_lang.packs.models.pose_models import MouthOrigin
     from lipsync_lang.packs.pack import Pack
     from lipsync_lang.packs.yaml.faults import Fault
 
@@ -52,6 +55,20 @@ def load_project(path: Path) -> "Pack[Project]":
     if faults := [*check_paths(pack)]:
         raise PackFaults(faults)
     return pack
+
+
+def stated_mouth(folder: Path | None) -> "MouthOrigin | None":
+    """Return where the targets of all faces come from, if the project of a folder states it.
+
+    An unsound project states nothing here; the commands tell its faults.
+    """
+    path = None if folder is None else find_project(folder)
+    # most projects state none, and a project is read in some milliseconds
+    if path is None or b"mouth" not in path.read_bytes():
+        return None
+    with suppress(LipsyncError):
+        return load_project(path).model.mouth
+    return None
 
 
 def check_paths(pack: "Pack[Project]") -> "Iterator[Fault]":

@@ -92,13 +92,16 @@ def compiler(folders: tuple[str, ...] = COMPILERS) -> str:
 
 
 def _key(language: str, character: str, paths: Sequence[Path]) -> str:
-    """Return the file key of a pair: its names, search paths and project, as JSON.
+    """Return the file key of a pair, as JSON: its names, search paths, project and its mouths.
 
     Folders without packs are left out, so that all projects without packs share a file.
     """
+    from lipsync_lang.packs.project import stated_mouth
+
     here = Path.cwd()
     searched = [str(path.absolute()) for path in paths if path.is_file() or _has_packs(path)]
-    return json.dumps([language, character, searched, str(here) if _has_packs(here) else ""])
+    own = str(here) if _has_packs(here) else ""
+    return json.dumps([language, character, searched, own, stated_mouth(here)])
 
 
 def _has_packs(folder: Path) -> bool:

@@ -19,6 +19,7 @@ from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import KnownPhonemes, Library
 from lipsync_lang.packs.models import PhonemeTarget
 from lipsync_lang.packs.pack import FilePlace, Pack
+from lipsync_lang.packs.project import stated_mouth
 from lipsync_lang.packs.yaml.faults import PackFaults, shown
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.tables import Contact
@@ -142,7 +143,9 @@ class PairPacks:
         who, face = self.character.model, self.poseset.model
         named = on.path if on else model_file(self.character, self.poseset)
         own = None if on else model_file(self.poseset)
-        if named in {None, own} or (who.mouth or face.mouth) == "declared":
+        if named in {None, own}:
+            return None
+        if (who.mouth or stated_mouth(self.library.project) or face.mouth) == "declared":
             return None
         path, rig = Path(str(named)), on.rig if on else who.rig
         self.library.note_model(path)

@@ -187,6 +187,24 @@ def test_one_line_keeps_the_declared_targets(project):
     assert declared.face.targets == declared.poseset.model.targets
 
 
+def test_a_line_of_the_project_keeps_the_declared_targets_of_all_faces(
+    project, tmp_path, monkeypatch
+):
+    monkeypatch.setenv("LIPSYNC_LANG_CACHE", str(tmp_path / "cache"))
+    project()
+    head = tmp_path / "characters" / "head.glb"
+    solved, bare = (ll.resolve("english", who) for who in ("anna", head))
+    (tmp_path / "lipsync.yaml").write_text("kind: project\nformat: 1\nmouth: declared\n")
+    for before, who in ((solved, "anna"), (bare, head)):
+        kept = ll.resolve("english", who)
+        assert kept.compiled.tables.neutral.curves.max() != pytest.approx(
+            before.compiled.tables.neutral.curves.max()
+        )
+    assert project("mouth: solved\n").solved is not None
+    (tmp_path / "lipsync.yaml").write_text("kind: project\nformat: 1\nmouth: wide\n")
+    assert project().solved is not None
+
+
 def test_a_target_of_the_character_itself_stays(project):
     packs = project("targets: {aa: {jawOpen: 0.9}}\n")
     assert packs.face.targets["aa"][0].weights == {"jawOpen": 0.9}

@@ -20,6 +20,7 @@ from lipsync_lang.packs.models.fields import (
     Text,
 )
 from lipsync_lang.packs.models.motion_models import MotionFields, OrPreset
+from lipsync_lang.packs.models.pose_models import MouthOrigin
 from lipsync_lang.packs.yaml.source import Data
 
 _RATE_PATTERN = r"^\d+(\.\d+)?(/\d+)?$"
@@ -260,6 +261,9 @@ class Project(PackModel):
     """Motion settings over the character's own; a preset's name alone is short for it."""
     shades: bool | None = None
     """False to perform each shade as its parent; unless stated, only the paper's thresholds do."""
+    mouth: MouthOrigin | None = None
+    """`declared` keeps the targets of the pose sets on every model; a character may state its own.
+    By default each pose set says."""
     gestures: Annotated[Text, OrSwitch] | None = None
     """Gestures of every output: `all`, or those to make, such as `blink,accent:0.5`. By default
     pages and videos of `run` have them all, and other files none."""
