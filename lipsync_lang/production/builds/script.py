@@ -36,7 +36,7 @@ from lipsync_lang.production.builds.script_files import (
     ScriptFile,
     ScriptLanguage,
     ScriptRow,
-    read_rows,
+    read_apart,
 )
 from lipsync_lang.text.lines.line_readers import LineFile, is_timed, line_files
 from lipsync_lang.text.lines.markup import Cleaning
@@ -512,8 +512,7 @@ def read_script(
     files = _files(project, folder, languages, faults, tell)
     planned = [
         line
-        for file in files
-        for row in read_rows(file, project.columns, faults, tell)
+        for file, row in read_apart(files, project.columns, faults, tell)
         for line in planner.lines(file, row)
     ]
     cast.check_speakers()

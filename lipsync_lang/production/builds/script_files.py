@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from hashlib import sha256
@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import NamedTuple
 from unicodedata import normalize
 
-from lipsync_lang.base.errors import LipsyncError, ScheduleError
-from lipsync_lang.base.files.names import fault_of_name
+from lipsync_lang.base.errors import LipsyncError, ScheduleError, shortlist
+from lipsync_lang.base.files.names import fault_of_name, folded_name
 from lipsync_lang.packs.models.project_models import ScriptColumns
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.production.builds.script_faults import ScriptFaults
@@ -31,6 +31,7 @@ from lipsync_lang.text.lines.table import cell
 
 MAX_SLUG_CHARS = 32
 DIGEST_CHARS = 8
+SHOWN_IDS = 4
 LINE_TAG = "line:"
 """Start of the ids in tables of Yarn Spinner, which its scripts leave out of a line's name."""
 
@@ -120,6 +121,62 @@ def read_rows(
             remark(f"{str(error).partition(chr(10))[0].removesuffix(':')}; left out")
     except LipsyncError as error:
         faults.add_error(ENCODING.sub(r"`encoding: \1`", str(error)), first=True)
+
+
+def read_apart(
+    files: Sequence[ScriptFile], columns: ScriptColumns, faults: ScriptFaults, remark: PlanRemark
+) -> Iterator[tuple[ScriptFile, ScriptRow]]:
+    """Yield the rows of files; an id of several files begins with the name of its file in each."""
+    homes = {(index, file.path) for file in files for index in file.languages}
+    several = max(Counter(index for index, _ in homes).values(), default=0) > 1
+    first: dict[tuple[int, str], Path] = {}
+    shared: set[str] = set()
+    read = ((file, read_rows(file, columns, faults, remark)) for file in files)
+    kept = [(file, list(rows)) for file, rows in read] if several else []
+    for file, rows in kept:
+        for key in (folded_name(row.name) for row in rows):
+            if any(first.setdefault((at, key), file.path) != file.path for at in file.languages):
+                shared.add(key)
+    labels = _labels(files) if shared else {}
+    named: list[str] = []
+    for file, rows in kept or read:
+        for row in rows:
+            if folded_name(row.name) not in shared:
+                yield file, row
+                continue
+            # Timings and events are named after their file already.
+            stem, label = file.path.stem, labels[file.path]
+            after = row.name[len(stem) :] if row.name.startswith(stem) else None
+            own = row.name if after is None or after[:1] not in ("", ".") else ""
+            named.append(f"{label}.{own}" if own else f"{label}{after}")
+            yield file, row._replace(name=named[-1])
+    if named:
+        told = shortlist(dict.fromkeys(named), SHOWN_IDS)
+        remark(f"ids that several files share begin with the name of the file: {told}")
+
+
+def _labels(files: Iterable[ScriptFile]) -> dict[Path, str]:
+    """Return the shortest end of each path that differs from the ends of a language's other files.
+
+    It has no suffix and no word for a language, unless two names in a folder differ in them alone.
+    """
+    stems: dict[Path, str] = {}
+    for file in files:
+        words = "|".join(re.escape(language.word) for language in file.languages.values())
+        stems[file.path] = re.sub(rf"(?<=.)[._-](?:{words})$", "", file.path.stem)
+    homes = {(index, file.path) for file in files for index in file.languages}
+    alike = Counter((index, path.parent, stems[path]) for index, path in homes)
+    clear = {path for index, path in homes if alike[index, path.parent, stems[path]] == 1}
+    ends: dict[Path, list[str]] = {}
+    for path, stem in stems.items():
+        last = stem if path in clear else path.name
+        parts = [*path.parent.parts, last]
+        ends[path] = [".".join(parts[-depth:]) for depth in range(1, len(parts) + 1)]
+    met = Counter((index, end) for index, path in homes for end in ends[path])
+    taken = {end for (_, end), times in met.items() if times > 1}
+    return {
+        path: next((end for end in own if end not in taken), own[-1]) for path, own in ends.items()
+    }
 
 
 def _table_rows(

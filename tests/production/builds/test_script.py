@@ -56,6 +56,47 @@ def put(game, *names, text="x"):
 # Lines
 
 
+def test_ids_of_several_files_begin_with_the_name_of_the_file(game):
+    put(game, "ui/menu.json", "ui/shop.json", text='{"greet": "Hello.", "only": "Bye."}')
+    put(game, "ui/menu.json", text='{"greet": "Hi.", "maps": "{n, plural, one {x} other {y}}"}')
+    put(game, "shop.arb", text='{"maps": "{n, plural, one {a} other {b}}"}')
+    remarks = []
+    lines = planned(
+        game, remarks, lines="[ui, shop.arb]", languages="[english]", cast='{"*": crab}',
+        audio=None, outputs='"{id}.json"',
+    )  # fmt: skip
+    assert {line.name: line.text for line in lines} == {
+        "menu.greet": "Hi.",
+        "menu.maps-one": "x",
+        "menu.maps-other": "y",
+        "ui.shop.greet": "Hello.",
+        "only": "Bye.",
+        "shop.maps-one": "a",
+        "shop.maps-other": "b",
+    }
+    assert "share begin with the name of the file: menu.greet, menu.maps-one" in remarks[0]
+
+
+def test_the_word_of_a_language_is_no_part_of_the_name_of_a_file(game):
+    for word in ("english", "german"):
+        put(game, f"a.{word}.json", f"b-{word}.json", f"{word}/b.json", text='{"x": "Oh."}')
+    lines = planned(
+        game, lines='["a.{language}.json", "b-{language}.json", "{language}"]', audio=None,
+        outputs='"{language}/{id}.csv"', cast='{"*": crab}',
+    )  # fmt: skip
+    put(game, "a.json", "a.arb", text='{"x": "Oh."}')
+    assert sorted({line.name for line in lines if line.language == "german"}) == [
+        "a.x",
+        "b.x",
+        "german.b.x",
+    ]
+    alike = planned(
+        game, lines="[a.json, a.arb]", languages="[english]", audio=None, outputs='"{id}.csv"',
+        cast='{"*": crab}',
+    )  # fmt: skip
+    assert [line.name for line in alike] == ["a.json.x", "a.arb.x"]
+
+
 def test_a_row_is_a_line_in_every_language_on_the_characters_of_its_speaker(game):
     lines = planned(game)
     assert [(one.key, one.text, one.speaker, one.place) for one in lines] == [
