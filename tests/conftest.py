@@ -2,8 +2,10 @@
 
 import gc
 import os
+import re
 import signal
 import sys
+from itertools import count
 from pathlib import Path
 from random import randrange
 from tempfile import TemporaryDirectory
@@ -20,6 +22,8 @@ from lipsync_lang.pipeline import kernel
 sys.path.extend({str(module.parent) for module in sorted(TESTS.rglob("*.py"))})
 DATA = "LIPSYNC_LANG_TEST_DATA"
 """Environment variable: the folder of foreign recordings and alignments."""
+
+FOLDER_NUMBERS = count()
 
 
 def pytest_configure(config):
@@ -106,6 +110,13 @@ def arithmetic(request, monkeypatch):
     """Run the stages in the compiled kernel, if there is one, or in numpy."""
     if request.param == "numpy":
         monkeypatch.setattr(kernel, "compiled", None)
+
+
+@pytest.fixture
+def tmp_path(request, tmp_path_factory):
+    """An empty folder; pytest's own fixture searches thousands of earlier ones for a free number."""
+    name = re.sub(r"\W", "_", request.node.name)[:30]
+    return tmp_path_factory.mktemp(f"{name}{next(FOLDER_NUMBERS)}", numbered=False)
 
 
 @pytest.fixture
