@@ -114,7 +114,7 @@ def arithmetic(request, monkeypatch):
 
 @pytest.fixture
 def tmp_path(request, tmp_path_factory):
-    """An empty folder; pytest's own fixture searches thousands of earlier ones for a free number."""
+    """An empty folder; pytest's own fixture searches all earlier ones for a free number."""
     name = re.sub(r"\W", "_", request.node.name)[:30]
     return tmp_path_factory.mktemp(f"{name}{next(FOLDER_NUMBERS)}", numbered=False)
 

@@ -4,7 +4,8 @@ import re
 
 import pytest
 from lanes import full, needs_plug_ins
-from test_house import modules, texts, wing
+from syntax_trees import modules
+from test_house import texts, wing
 
 import lipsync_lang as ll
 from lipsync_lang.commands.output import OPTIONS, as_options

@@ -26,6 +26,7 @@ from pages import (
     write,
 )
 from places import ROOT
+from syntax_trees import modules, walked
 
 from lipsync_lang.cli import main
 
@@ -131,16 +132,15 @@ def test_the_messages_of_troubleshooting_are_in_the_code():
     page = ROOT / "docs/how-to/troubleshooting.md"
     shown = [text for language, told, text in blocks(page) if language == "text" and not told]
     fragments = [part.strip() for text in shown for part in re.split(r"\.\.\.|\n", text)]
-    modules = sorted((ROOT / "lipsync_lang").rglob("*.py"))
-    written = "\n".join(map(messages, modules))
+    written = "\n".join(map(messages, modules().values()))
     assert shown, "a sweep over nothing passes"
     assert not [part for part in fragments if part not in written]
 
 
-def messages(module):
+def messages(tree):
     """Return the texts of a module, with `...` where an f-string has a value."""
     texts = []
-    for node in ast.walk(ast.parse(module.read_bytes())):
+    for node in walked(tree):
         if isinstance(node, ast.JoinedStr):
             parts = [one.value if isinstance(one, ast.Constant) else "..." for one in node.values]
             texts.append("".join(parts))

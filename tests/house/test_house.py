@@ -9,25 +9,12 @@ from collections import defaultdict
 from fnmatch import fnmatch
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
-from pathlib import Path
 
 import pytest
 from lanes import full
 from places import TESTS
 from shipped import LIBRARY
-
-import lipsync_lang as ll
-
-PACKAGE = Path(ll.__file__).parent
-
-
-@cache
-def modules():
-    """Return the syntax tree of every module, by its path; parsing all of them takes seconds."""
-    paths = sorted(PACKAGE.rglob("*.py"))
-    assert paths, "a sweep over nothing passes"
-    return {path.relative_to(PACKAGE).as_posix(): ast.parse(path.read_bytes()) for path in paths}
-
+from syntax_trees import PACKAGE, modules, walked
 
 # Arrows
 
@@ -103,7 +90,7 @@ def room(path):
 
 def imports(tree):
     """Yield the full names of the package's modules that a module imports."""
-    for node in ast.walk(tree):
+    for node in walked(tree):
         if isinstance(node, ast.ImportFrom):
             assert node.level == 0, "imports are absolute"
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
@@ -305,14 +292,14 @@ EXEMPT = {
 
 def texts(tree):
     """Yield the strings of a module without docstrings and format codes."""
-    told = {id(n.value) for n in ast.walk(tree) if isinstance(n, ast.Expr)}
+    told = {id(n.value) for n in walked(tree) if isinstance(n, ast.Expr)}
     codes = {
         id(inner)
-        for n in ast.walk(tree)
+        for n in walked(tree)
         if isinstance(n, ast.FormattedValue) and n.format_spec
         for inner in ast.walk(n.format_spec)
     }
-    for node in ast.walk(tree):
+    for node in walked(tree):
         text = isinstance(node, ast.Constant) and isinstance(node.value, str)
         if text and id(node) not in told | codes:
             yield node.value
@@ -405,7 +392,7 @@ def meanings():
     Two classes of one name have two meanings, and so have two aliases or constants that differ.
     """
     for name, tree in modules().items():
-        for node in ast.walk(tree):
+        for node in walked(tree):
             place = f"{name}:{getattr(node, 'lineno', 0)}"
             if isinstance(node, ast.ClassDef):
                 yield node.name.lstrip("_"), place, place
@@ -455,7 +442,7 @@ def test_a_summary_begins_with_a_verb_or_a_noun_of_the_field():
     riddles = [
         f"{name}:{node.lineno} {node.value.value.splitlines()[0]}"
         for name, tree in modules().items()
-        for node in ast.walk(tree)
+        for node in walked(tree)
         if isinstance(node, ast.Expr)
         and isinstance(node.value, ast.Constant)
         and isinstance(node.value.value, str)
@@ -470,7 +457,7 @@ def test_only_the_command_line_prints():
         for name, tree in modules().items()
         if wing(name) not in {"cli", "commands"}
         and not name.endswith(("_command.py", "_worker.py"))
-        for node in ast.walk(tree)
+        for node in walked(tree)
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
         if node.func.id == "print"
     ]

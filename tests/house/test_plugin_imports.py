@@ -8,7 +8,8 @@ import re
 from importlib import import_module
 
 from places import ROOT, TESTS
-from test_house import imports, modules, wing
+from syntax_trees import modules
+from test_house import imports, wing
 
 EXTENDING = ROOT / "docs/how-to/extend-it.md"
 STATED = re.compile(r"((?:`[\w.]+`(?:, )?)+) of `(lipsync_lang\.[\w.]+)`")

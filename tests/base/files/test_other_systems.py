@@ -18,7 +18,8 @@ import as_windows
 import pytest
 from build_project import Game
 from lanes import full
-from test_house import modules, wing
+from syntax_trees import modules, walked
+from test_house import wing
 
 import lipsync_lang as ll
 from lipsync_lang.base.files import atomic, child_processes, temporary, writing
@@ -68,7 +69,7 @@ ALONE = {"fcntl", "selectors", "select", *as_windows.ABSENT}
 
 def posix_names(tree):
     """Yield the names in a module that Windows lacks."""
-    for node in ast.walk(tree):
+    for node in walked(tree):
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
             if POSIX_ONLY.get(node.attr) == node.value.id:
                 yield node.attr
@@ -89,7 +90,7 @@ def test_no_module_uses_what_windows_lacks_without_a_way_around():
 
 def calls(tree, *names):
     """Yield the calls of functions and methods by name."""
-    for node in ast.walk(tree):
+    for node in walked(tree):
         if isinstance(node, ast.Call):
             called = getattr(node.func, "attr", None) or getattr(node.func, "id", None)
             if called in names:
