@@ -318,18 +318,12 @@ def acoustic_models() -> Iterator[CheckedPart]:
 
 @check
 def ffmpeg() -> Iterator[CheckedPart]:
-    """Check the program that encodes films, and that converts recordings by hand."""
-    program, purpose = shutil.which("ffmpeg"), "converts recordings such as .m4a"
-    if not any(one.name == "video" and one.missing() for one in extras()):
-        from lipsync_lang.render.video import find_ffmpeg
+    """Check the program that makes films, and that decodes recordings such as .m4a."""
+    from lipsync_lang.sound.speech.decoding import find_ffmpeg
 
-        try:
-            program, purpose = find_ffmpeg(), "makes films"
-        except LipsyncError as error:
-            yield CheckedPart("ffmpeg", MISSING, str(error))
-            return
+    program, purpose = find_ffmpeg(), "makes films, and reads .m4a, .mp4 and .mov"
     if program is None:
-        yield CheckedPart("ffmpeg", MISSING, f"makes films: {install_line('video')}")
+        yield CheckedPart("ffmpeg", MISSING, f"{purpose}: {install_line('video')}")
         return
     try:
         done = subprocess.run(  # noqa: S603 the program that makes films

@@ -22,6 +22,7 @@ from lipsync_lang.render.model.camera import framed
 from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.model.scene import pillow
 from lipsync_lang.render.staging import staged, sweep
+from lipsync_lang.sound.speech.decoding import find_ffmpeg
 
 FRAME_PIXELS = 720
 """Side of a frame in pixels."""
@@ -67,6 +68,9 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
     cannot be drawn.
     """
     ffmpeg, size = find_ffmpeg(), size or FRAME_PIXELS
+    if ffmpeg is None:
+        mend = "or set the environment variable IMAGEIO_FFMPEG_EXE to its path"
+        raise OutputError(f"video needs ffmpeg: {install_line('video')}, {mend}")
     pillow()
     scene = staged(animation)
     audio = animation.schedule.audio
@@ -94,19 +98,6 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
         _encode([ffmpeg, *quiet, *inputs, *output], artist, times.tolist())
         with path.open("rb") as stream:
             copyfileobj(stream, out)
-
-
-def find_ffmpeg() -> str:
-    """Return the path of ffmpeg; an OutputError if it is not installed."""
-    try:
-        from imageio_ffmpeg import get_ffmpeg_exe
-    except ImportError:
-        raise OutputError(f"video needs imageio-ffmpeg: {install_line('video')}") from None
-    try:
-        return str(get_ffmpeg_exe())
-    except RuntimeError as error:
-        mend = "set the environment variable IMAGEIO_FFMPEG_EXE to its path"
-        raise OutputError(f"ffmpeg was not found ({error}); {mend}") from None
 
 
 def _encode(command: Sequence[str], artist: Artist, times: Sequence[float]) -> None:

@@ -25,6 +25,7 @@ from lipsync_lang.production.builds.project_folder import project_files, starter
 from lipsync_lang.render import fonts
 from lipsync_lang.render.fonts import FoundFonts
 from lipsync_lang.resolver.cache import CACHE_VARIABLE
+from lipsync_lang.sound.speech import decoding
 from lipsync_lang.sound.speech.speaking.speech_engines import ENGINES
 
 FILES = {"README.md", FILE, "lines.csv", "characters/hero.yaml", ".gitignore"}
@@ -590,15 +591,14 @@ def test_an_ffmpeg_that_does_not_run_is_broken(monkeypatch, tmp_path, text, stat
     program = tmp_path / "ffmpeg"
     program.write_text(f"#!/bin/sh\n{text}\n")
     program.chmod(0o755)
-    without(monkeypatch, "imageio_ffmpeg")
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
     (found,) = doctor_checks.ffmpeg()
     assert (found.state, str(program) in found.told) == (state, True)
 
 
 def test_no_ffmpeg_names_the_extra(monkeypatch):
-    without(monkeypatch, "imageio_ffmpeg")
-    monkeypatch.setattr(doctor_checks.shutil, "which", lambda _: None)
+    monkeypatch.setattr(decoding, "find_ffmpeg", lambda: None)
     (found,) = doctor_checks.ffmpeg()
     assert found.state == "missing"
     assert re.search(r"install .*lipsync-lang\[.*video", found.told)

@@ -713,7 +713,7 @@ def test_the_command_line_makes_both(ffmpeg, stills, cli, tmp_path, monkeypatch)
 @pytest.mark.parametrize(
     ("write", "module", "told"),
     [
-        (write_mp4, "imageio_ffmpeg", "video needs imageio-ffmpeg"),
+        (write_mp4, "imageio_ffmpeg", "video needs ffmpeg"),
         (write_mp4, "PIL", "pictures need Pillow"),
         (write_png, "PIL", "pictures need Pillow"),
     ],
@@ -722,6 +722,7 @@ def test_a_missing_library_names_the_extra(spoken, monkeypatch, write, module, t
     if write is write_mp4 and module == "PIL":
         pytest.importorskip("imageio_ffmpeg", reason="it is asked for first")
     monkeypatch.setitem(sys.modules, module, None)
+    monkeypatch.setenv("PATH", "")  # another ffmpeg would serve
     with pytest.raises(OutputError, match=rf'{told}: .*pip install "lipsync-lang\[video\]"'):
         write(spoken("crab"), BytesIO())
 

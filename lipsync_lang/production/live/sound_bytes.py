@@ -12,9 +12,9 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Singles
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
+from lipsync_lang.sound.speech.decoding import COMPRESSIONS
 from lipsync_lang.sound.speech.sound import (
     FASTEST,
-    FOREIGN_MARKS,
     FORM_BYTES,
     MAX_CHANNELS,
     PLACEHOLDER_BYTES,
@@ -34,8 +34,10 @@ EXTENSIBLE = 0xFFFE
 
 RIFF, RF64 = b"RIFF", b"RF64"
 
-COMPRESSED = (*FOREIGN_MARKS, (0, b"fLaC", "FLAC"), (0, b"OggS", "Ogg"), (0, b"ID3", "MP3"),
-              (0, b"FORM", "AIFF"))  # fmt: skip
+COMPRESSED = (
+    *((one.at, one.mark, one.title) for one in COMPRESSIONS),
+    *((0, b"fLaC", "FLAC"), (0, b"OggS", "Ogg"), (0, b"ID3", "MP3"), (0, b"FORM", "AIFF")),
+)
 """Other formats of sound: offset and bytes of their marks, and their names."""
 
 SNIFFED_BYTES = 12

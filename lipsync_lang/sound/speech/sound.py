@@ -18,23 +18,9 @@ import numpy.typing as npt
 
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.base.extras import install_line
-from lipsync_lang.base.files.quoting import shell_command
 from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.sound.speech.decoding import SOUND_HEAD_BYTES, compression, decoded
 
-FOREIGN_MARKS = (
-    (4, b"ftyp", "MPEG-4 sound or video (m4a, mp4, mov)"),
-    (0, b"\x1aE\xdf\xa3", "Matroska or WebM"),
-    (0, b"0&\xb2u\x8ef\xcf\x11", "Windows Media (wma)"),
-    (0, b"\xff\xf1", "AAC"),
-    (0, b"\xff\xf9", "AAC"),
-    (0, b"#!AMR", "AMR"),
-    (0, b".RMF", "RealMedia"),
-    (0, b"MAC ", "Monkey's Audio (ape)"),
-    (0, b"wvpk", "WavPack"),
-)
-"""Formats that other programs read: offset and bytes of their marks, and their names."""
-
-SOUND_HEAD_BYTES = 512
 MAX_CHUNKS = 1000
 """Chunks of a WAV file to skip."""
 
@@ -44,7 +30,10 @@ FORM_BYTES = 16
 SURPLUS_SECONDS = 0.1
 """Tolerated sound after the stated end, where some programs write tags."""
 
-AUDIO_SUFFIXES = (".wav", ".flac", ".ogg", ".mp3")
+AUDIO_SUFFIXES = (
+    *(".wav", ".flac", ".ogg", ".opus", ".mp3"),
+    *(".m4a", ".aac", ".mp4", ".mov", ".webm"),  # ffmpeg decodes them
+)
 """Suffixes of recordings, the most likely first."""
 
 PLACEHOLDER_BYTES = 0x7FFF_0000
@@ -107,11 +96,6 @@ def unread(path: Path, reason: str) -> str:
     """
     with path.open("rb") as stream:
         head = stream.read(SOUND_HEAD_BYTES)
-    title = next((one for at, sign, one in FOREIGN_MARKS if head[at:].startswith(sign)), None)
-    if title is not None:
-        stem = path.stem if path.suffix.lower() != ".wav" else f"{path.stem}-converted"
-        command = shell_command(["ffmpeg", "-i", str(path), f"{stem}.wav"])
-        return f"it is {title}); convert it: {command}"
     if not head:
         return "the file is empty); copy or record it again"
     with suppress(UnicodeDecodeError):
@@ -171,7 +155,10 @@ def sound_of(source: SoundSource) -> Audio:
 
 
 def read_audio(path: str | Path, channel: int | None = None) -> Audio:
-    """Read a recording in a libsndfile format (WAV, FLAC, OGG, Opus, MP3).
+    """Read a recording in a format of libsndfile (WAV, FLAC, OGG, Opus, MP3) or of ffmpeg.
+
+    ffmpeg, where it is installed, decodes the first sound of MPEG-4, WebM and the like (.m4a, .aac,
+    .mp4, .mov, .webm), in a process of its own.
 
     Parameters
     ----------
@@ -182,7 +169,7 @@ def read_audio(path: str | Path, channel: int | None = None) -> Audio:
     ------
     SpeechError
         The file is missing, not audio, truncated, empty, too long or of an unsupported rate; it
-        lacks the channel; or soundfile is missing.
+        lacks the channel; or soundfile, or the ffmpeg that a file needs, is missing.
 
     Examples
     --------
@@ -197,24 +184,39 @@ def read_audio(path: str | Path, channel: int | None = None) -> Audio:
         raise SpeechError(
             f"recordings need soundfile, which is not installed; get it with: {line}"
         ) from None
+    path = Path(path)
     try:
-        # libsndfile seeks in the file itself, without a buffer of ours: through a Python stream, a
-        # header that points before the start of the file prints a traceback.
-        with Path(path).open("rb", buffering=0) as stream:
-            if not stream.seekable():
-                raise SpeechError(f"{path}: is a pipe; write the recording to a file first")
-            surplus = surplus_seconds(stream)
-            stream.seek(0)
-            with soundfile.SoundFile(stream.fileno(), closefd=False) as sound:
-                _refuse_odd(path, sound, surplus)
-                return _read(path, sound, channel)
+        found = compression(path) if path.is_file() else None
+        if found is None:
+            return _read_file(path, channel)
+        with decoded(path, found) as wav:
+            try:
+                return _read_file(wav, channel)
+            except SpeechError as error:
+                raise SpeechError(str(error).replace(str(wav), str(path))) from None
     except OSError as error:
         raise SpeechError(
             f"{path}: cannot be read: {error.strerror or error}; check the path"
         ) from None
     except soundfile.LibsndfileError as error:
-        told = unread(Path(path), error.error_string)
+        told = unread(path, error.error_string)
         raise SpeechError(f"{path}: not a readable recording ({told}") from None
+
+
+def _read_file(path: Path, channel: int | None) -> Audio:
+    """Read a file of libsndfile; raise its own error, OSError or SpeechError."""
+    import soundfile
+
+    # libsndfile seeks in the file itself, without a buffer of ours: through a Python stream, a
+    # header that points before the start of the file prints a traceback.
+    with path.open("rb", buffering=0) as stream:
+        if not stream.seekable():
+            raise SpeechError(f"{path}: is a pipe; write the recording to a file first")
+        surplus = surplus_seconds(stream)
+        stream.seek(0)
+        with soundfile.SoundFile(stream.fileno(), closefd=False) as sound:
+            _refuse_odd(path, sound, surplus)
+            return _read(path, sound, channel)
 
 
 def _refuse_odd(path: str | Path, sound: Any, surplus: float) -> None:

@@ -3,7 +3,7 @@
 import { button, made } from "../shell/elements.js";
 import { textInput } from "../shell/form_fields.js";
 
-const SOUNDS = /\.(wav|flac|ogg|oga|opus|mp3|m4a|aac|aif|aiff)$/i;
+const SOUNDS = /\.(wav|flac|ogg|oga|opus|mp3|m4a|aac|mp4|mov|webm|wma|aif|aiff)$/i;
 
 /** @param {File} file @returns {boolean} */
 function sounds(file) {

@@ -23,7 +23,7 @@ const CHECK_LATER = 350;
 const ROW = 50, MOST_ROW = 96, BELOW = 14;
 /** Files that a button asks for. */
 const TIMINGS = ".json,.textgrid,.TextGrid,.csv,.tsv,.txt,.xml,.ctm,.lab,.phn,.eaf,.pho,.bml,.vtt,.par",
-  RECORDINGS = "audio/*,.wav,.flac";
+  RECORDINGS = "audio/*,.wav,.flac,.mp4,.mov,.webm";
 
 /** Pictures of a sound, and their buttons. @type {["wave" | "spectrogram" | "both", string][]} */
 const PICTURES = [["wave", "Wave"], ["spectrogram", "Spectrogram"], ["both", "Both"]];
