@@ -118,10 +118,11 @@ class _CountRun:
             self.remarks.append(f"counts the lines that `cast` gives to {reading.character}")
         pages = Pages()
         finalize(self, pages.close)
+        folder = f"{path.parent}{os.sep}"
         try:
             lines = read_lines(
                 path, column=reading.column, encoding=reading.encoding,
-                remark=self.remarks.append, cleaning=self.performer.cleaning, names=reading.names,
+                remark=lambda told: self.remarks.append(told.replace(folder, "")), cleaning=self.performer.cleaning, names=reading.names,
                 speaker=reading.speaker,
             )  # fmt: skip
             own = Reading(self.performer, scripts, reading.takes)
@@ -131,7 +132,7 @@ class _CountRun:
             else:
                 self.fault = f"{path.name} has no lines to count"
         except LipsyncError as error:
-            self.fault = str(error).replace(f"{path.parent}{os.sep}", "")
+            self.fault = str(error).replace(folder, "")
         except Exception:  # noqa: BLE001 a thread has nobody else to tell
             _log.exception("counting %s failed", path)
             self.fault = (

@@ -1,5 +1,6 @@
 """Lines of a project's script in the studio: listed, searched, and opened as a build makes them."""
 
+import time
 import wave
 from pathlib import Path
 
@@ -7,6 +8,8 @@ import pytest
 
 pytest.importorskip("starlette", reason="the studio needs Starlette")
 
+from lanes import swept
+from places import TESTS
 from studio_calls import Caller, unpacked
 
 from lipsync_lang.packs.project import FILE
@@ -234,3 +237,29 @@ def test_a_folder_without_a_script_has_no_lines(tmp_path, text):
     made = Workshop(tmp_path, engine="none", script=script)
     made.open("english", "crab")
     assert listed(Caller(made))["count"] == 0
+
+
+SEEDS = sorted(
+    path
+    for path in TESTS.glob("fuzz/seeds/lines/*/*.*")
+    if path.read_bytes() and path.parent.name != "xlsx"
+)
+
+
+@pytest.mark.parametrize("seed", swept(SEEDS, quick=SEEDS[:1]), ids=lambda one: one.parent.name)
+def test_lines_of_each_kind_of_script_open_and_are_counted(seed, tmp_path, monkeypatch, cli):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / seed.name).write_bytes(seed.read_bytes())
+    made = cli("new", "--from", seed.name)
+    assert made.code == 0, made.err
+    caller = Caller(workshop_of(tmp_path, "english", "facefx"))
+    rows = listed(caller)["lines"]
+    assert rows
+    for row in rows:
+        document, _ = unpacked(caller.post("script", {"name": row["name"]}))
+        assert (document["text"], document["script"]["name"]) == (row["text"], row["name"])
+    assert caller.post("coverage/script", seed.read_bytes(), {"name": seed.name}).status == 200
+    while (told := caller.api("coverage").json)["state"] == "counting":
+        time.sleep(0.01)
+    assert (told["state"], told["lines"]) == ("ready", len(rows)), told
+    assert not [one for one in told["remarks"] if "/" in one]
