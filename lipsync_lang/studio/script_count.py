@@ -122,8 +122,8 @@ class _CountRun:
         try:
             lines = read_lines(
                 path, column=reading.column, encoding=reading.encoding,
-                remark=lambda told: self.remarks.append(told.replace(folder, "")), cleaning=self.performer.cleaning, names=reading.names,
-                speaker=reading.speaker,
+                remark=lambda told: self.remarks.append(told.replace(folder, "")),
+                cleaning=self.performer.cleaning, names=reading.names, speaker=reading.speaker,
             )  # fmt: skip
             own = Reading(self.performer, scripts, reading.takes)
             corpus, counts = count(self._seen(lines), [own], pages, reading.faces)

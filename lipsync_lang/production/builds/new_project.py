@@ -27,6 +27,7 @@ from lipsync_lang.text.lines.columns import (
     text_column,
 )
 from lipsync_lang.text.lines.line_readers import LineFile, by_suffix, line_files, read_lines
+from lipsync_lang.text.lines.markup import spoken
 from lipsync_lang.text.lines.table import cell
 
 FACE_KINDS: tuple[Kind, ...] = ("character", "poseset")
@@ -69,6 +70,8 @@ class Cells(NamedTuple):
     columns: list[list[str]]
     table: bool = True
     """False for a script that names its lines itself, so that a project states no columns."""
+    bilingual: bool = False
+    """True if the script has translations beside their originals."""
 
     def at(self, column: int) -> list[str]:
         """Return the cells of a column that are not empty; none for the column -1."""
@@ -173,6 +176,8 @@ def new_project(  # noqa: PLR0913 the parts of a draft
         "outputs": f"takes/{several}{{character}}/{{id}}.csv",
     }
     matches = _matches(found, cells.at(ids.column), ids, matching)
+    if cells.bilingual:
+        remarks += [_side(table, finder.column_names(name), encoding) for name in languages]
     return NewProject(from_template("script.yaml", drafted), (*matches, *remarks))
 
 
@@ -210,7 +215,9 @@ def read_cells(table: Path, encoding: str | None = None) -> Cells:
             *islice(read_lines(table, encoding=encoding, remark=lambda _: None), MAX_TABLE_ROWS)
         ]
         names, speakers = [one.name for one in lines], [one.speaker for one in lines]
-        return Cells([NAME_COLUMNS[0], SPEAKER_COLUMNS[0]], [names, speakers], table=False)
+        both = any(one.original and spoken(one.original).text != one.text for one in lines)
+        head = [NAME_COLUMNS[0], SPEAKER_COLUMNS[0]]
+        return Cells(head, [names, speakers], table=False, bilingual=both)
     head, rows = opened(LineFile(file, lambda _: None, encoding=encoding).at(file))
     taken = [row for _, row in islice(rows, MAX_TABLE_ROWS)]
     return Cells(head, [[cell(row, at) for row in taken] for at in range(len(head))])
@@ -358,6 +365,14 @@ def _text(
             f"Say `column='{name}'`, or another"
         )
     return {"text": name}, [f"the text is a guess: '{name}', the column with the most letters"]
+
+
+def _side(table: Path, names: Sequence[str], encoding: str | None) -> str:
+    """Say which side of a bilingual script is read in a language, and what its reader remarks."""
+    told: list[str] = []
+    lines = [*read_lines(table, encoding=encoding, remark=told.append, names=names)]
+    side = "translations" if any(one.original for one in lines) else "originals"
+    return "\n".join([f"{table}: the {side} are the text in {names[0]}", *told])
 
 
 def _language(finder: Finder, name: str) -> str | None:

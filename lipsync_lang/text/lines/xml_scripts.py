@@ -194,6 +194,10 @@ class _Parsing:
                 "file, or the names of its format"
             )
         own = [one for language, one in self.found if self.is_asked(language)]
+        others = dict.fromkeys(language for language, _ in self.found if language)
+        if self.source.names and others and not own:
+            what = f"no text is in {self.source.names[0]}; the text in {', '.join(others)} is read"
+            self.source.remark(f"{self.source.path}: {what}")
         yield from own or (one for _, one in self.found)
 
     def is_asked(self, language: str) -> bool:

@@ -201,6 +201,32 @@ def test_a_script_that_names_its_lines_makes_a_project_without_columns(folder, c
     assert cli("validate").code == 0
 
 
+XLIFF = """<xliff version="1.2"><file source-language="en" target-language="de-DE"><body>
+<trans-unit id="a"><source>Go.</source><target>Geh.</target></trans-unit>
+<trans-unit id="b"><source>Stay.</source></trans-unit></body></file></xliff>
+"""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told", "lines"),
+    [
+        ((), "a.xlf: the originals are the text in english\n2 lines", 2),
+        (
+            ("-l", "german"),
+            "the translations are the text in german\na.xlf: left out 1 empty or untranslated entry\n",
+            1,
+        ),
+        (("-l", "french"), "a.xlf: no text is in french; the text in de-DE is read\n", 1),
+    ],
+)
+def test_the_side_of_a_bilingual_script_is_told(folder, cli, arguments, told, lines):
+    (folder / "a.xlf").write_text(XLIFF, "utf-8")
+    ended = cli("new", "--from", "a.xlf", *arguments)
+    assert ended.code == 0, ended.err
+    assert told in ended.err
+    assert f"\n{lines} line" in ended.err
+
+
 def test_a_folder_without_a_script_is_refused(folder, cli):
     (folder / "game").mkdir()
     ended = cli("new", "--from", "game")
