@@ -26,6 +26,9 @@ INK_BAR = re.compile(r"(?<![\\|])\|(?!\|)")
 INK_TAIL = re.compile(r"<>\s*$|->.*|(?<![\\&])#.*")
 """Glue, a divert or a tag after a text."""
 
+INK_HASH = re.compile(r"\\#\s*(?=[^\W\d])")
+"""A hash that is text, before a word; it has no sound, and without it the word is no tag."""
+
 INK_BRACKETS = re.compile(r"(.*?)(?<!\\)\[(.*?)(?<!\\)\](.*)")
 MAX_INK_DEPTH = 32
 """Maximum depth of blocks, and of alternatives within each other."""
@@ -102,7 +105,8 @@ def _lines(source: LineFile, number: int, text: str) -> Iterator[Line]:
     for at, whole in enumerate(texts):
         one = INK_TAIL.sub("", whole, count=1).strip()
         who = speaker_before(one)
-        said = re.sub(r"\\(.)", r"\1", one[who.end() :] if who else one)
+        said = INK_HASH.sub("", one[who.end() :] if who else one)
+        said = re.sub(r"\\(.)", r"\1", said)
         if said:
             yield source.line(
                 number, said, name=f"{name}-{at}" if name and at else name,

@@ -171,6 +171,11 @@ def test_blocks_and_choices_of_ink_are_spoken_apart(read):
     assert told == INK_LINES
 
 
+def test_a_word_behind_an_escaped_hash_of_ink_is_no_tag(read):
+    lines = read("Say \\# word\nAnna: We are \\#one \\#2 #tag\n", ".ink")
+    assert [line.text for line in lines] == ["Say word", "We are one #2"]
+
+
 @pytest.mark.parametrize("row", ["{" * 100_000, "}" * 100_000, "{a|" * 50_000, "{a|b} " * 30_000])
 def test_no_row_of_ink_takes_quadratic_time(read, row):
     begun = time.process_time()

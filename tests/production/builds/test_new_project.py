@@ -213,7 +213,7 @@ XLIFF = """<xliff version="1.2"><file source-language="en" target-language="de-D
         ((), "a.xlf: the originals are the text in english\n2 lines", 2),
         (
             ("-l", "german"),
-            "the translations are the text in german\na.xlf: left out 1 empty or untranslated entry\n",
+            "the translations are the text in german\na.xlf: left out 1 empty or untranslated",
             1,
         ),
         (("-l", "french"), "a.xlf: no text is in french; the text in de-DE is read\n", 1),
