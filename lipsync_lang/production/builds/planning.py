@@ -240,7 +240,7 @@ class _Planner:
 
 def line_inputs(line: PlannedLine, folder: Path, performer: Performer) -> dict[str, Any]:
     """Return the inputs of a line as JSON data for its record."""
-    compiled = performer.compiled
+    compiled, place = performer.compiled, str(folder)
     text = plain(line.text) if compiled.words else ""
     words = {word: sounds for word, sounds in compiled.words.items() if word in text}
     edits = compiled.line_edits.get(line.name), compiled.line_deliveries.get(line.name)
@@ -252,10 +252,11 @@ def line_inputs(line: PlannedLine, folder: Path, performer: Performer) -> dict[s
     }
     for part, path in (("timings", line.timings), ("audio", line.audio)):
         if path is not None:
+            name = recorded_path(folder, path)
             try:
-                stat = os.stat(os.path.join(folder, path))  # noqa: PTH116, PTH118 once a line
+                stat = os.stat(os.path.join(place, name))  # noqa: PTH116, PTH118 once a line
                 stamp = stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns
             except OSError:
                 stamp = 0, 0, 0
-            inputs[part] = [recorded_path(folder, path), *stamp]
+            inputs[part] = [name, *stamp]
     return inputs
