@@ -141,7 +141,7 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
         gestures=_gestures(poseset, model.gesture_words),
         mirrored=_mirrored(poseset.model),
         measures={name: dict(gains) for name, gains in poseset.model.measures.items()},
-        checks=_checks(poseset.model.checks, who.model.checks),
+        checks=_checks(poseset.model.checks, who.model.checks) | _filmed(shelf),
         nearest=plain_among(library, spoken) if model.automatic else None,
         manner=_plain(manner.plain()),
         rig=plain_rig(library, who.model.rig, poseset) if who.model.rig is not None else None,
@@ -230,6 +230,16 @@ def _checks(*layers: models.Checks) -> dict[str, Any]:
         rules |= _plain(stated.pop("rules"))
         limits |= stated
     return {"limits": limits, "rules": rules}
+
+
+def _filmed(shelf: PairPacks) -> dict[str, Any]:
+    """Return the reach of the mouth, and the widest aperture of each phoneme that states some."""
+    common, adds = shelf.common.model, shelf.language.model.adds
+    sounds = {**common.phonemes, **common.shades, **{n: own for n, own in adds.items() if own}}
+    reach = shelf.character.model.reach or shelf.poseset.model.reach
+    stated = {name: sounds[name].mouth for name in shelf.numbered if name in sounds}
+    widest = {n: max(one.aperture for one in mouth) for n, mouth in stated.items() if mouth}
+    return {"reach": reach, "apertures": {n: round(reach * a, 4) for n, a in widest.items()}}
 
 
 def _tabulated(rows: list[BigramRow], poses: int, earlier: Sampled | None = None) -> Singles:

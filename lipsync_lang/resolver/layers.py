@@ -138,8 +138,12 @@ class PairPacks:
     def solve(self, on: OtherModel | None = None) -> SolvedFace | None:
         """Solve the targets on the character's model, or on another; None if they are declared.
 
-        The targets of a pose set were made for its own model.
+        The targets of a pose set were made for its own model. Raises `ModelError` if no pose opens
+        the mouth of the model, or if another model is unreadable.
         """
+        # only a model needs the room of rigs
+        from lipsync_lang.faces.rigs.model import known_model
+
         who, face = self.character.model, self.poseset.model
         named = on.path if on else model_file(self.character, self.poseset)
         own = None if on else model_file(self.poseset)
@@ -151,12 +155,13 @@ class PairPacks:
         self.library.note_model(path)
         plain = plain_rig(self.library, rig, self.poseset) if rig is not None else None
         try:
-            return solved_face(face, self.common.model, path, plain, who.reach or face.reach)
+            model = known_model(path)
         except ModelError as error:
             if on:
                 raise
             _log.info("%s keeps the targets of its pose set: %s", who.name, error)
             return None
+        return solved_face(face, self.common.model, model, plain, who.reach or face.reach)
 
     def refuse_faults(self) -> None:
         """Raise an error with every fault that prevents a performance of these packs.

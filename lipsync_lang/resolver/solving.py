@@ -28,9 +28,6 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-MOUTH_MEASURES = ("aperture", "width", "protrusion", "jaw")
-"""Measures of a mouth, as `ShapeReadOut` and the packs name them."""
-
 FIRMNESS = np.array([1.0, 1.5, 0.5, 0.5])
 """Weight of an error of each measure that a sound states."""
 
@@ -78,7 +75,7 @@ class SolvedFace:
 def solved_face(
     poseset: models.PoseSet,
     common: models.Phonemes,
-    path: Path,
+    model: "Model",
     rig: Mapping[str, Any] | None = None,
     reach: float | None = None,
 ) -> SolvedFace | None:
@@ -86,33 +83,30 @@ def solved_face(
 
     Parameters
     ----------
-    path : the model
     rig : the rig that drives it, as plain data; None if its shapes are the poses
     reach : factor of all measures; None for that of the pose set
 
     Raises
     ------
     ModelError
-        The model is unreadable, or none of the poses opens its mouth.
+        None of the poses opens the mouth of the model.
 
     Examples
     --------
     >>> library = Library()
     >>> poseset, common = library.poseset("arkit").model, library.common().model
-    >>> face = solved_face(poseset, common, Path("head.glb"))  # doctest: +SKIP
+    >>> face = solved_face(poseset, common, read_model(Path("head.glb")))  # doctest: +SKIP
     >>> face.targets["aa"][0].weights  # doctest: +SKIP
     {'jawOpen': 0.31, 'mouthClose': 0.0}
     """
-    from lipsync_lang.faces.rigs.model import known_model
-
-    gains = pose_gains(poseset, known_model(path), rig)
+    gains = pose_gains(poseset, model, rig)
     if gains is None:
-        _log.info("%s: its mouth cannot be measured", path)
+        _log.info("%s: its mouth cannot be measured", model.path)
         return None
     if gains[0].max(initial=0.0) < LEAST_OPENING:
         raise ModelError(
-            f"{path}: no shape of it that is a pose of {poseset.name} opens the mouth: the widest "
-            f"parts the lips by {max(0.0, gains[0].max(initial=0.0)):.3f} widths of the mouth. "
+            f"{model.path}: no shape of it that is a pose of {poseset.name} opens the mouth: the "
+            f"widest parts the lips by {max(0.0, gains[0].max(initial=0.0)):.3f} of its width. "
             "Make the shapes that open it poses of their own with `lipsync-lang posesets new`, or "
             "keep the targets of the pose set with `mouth: declared` in a character"
         )
@@ -125,7 +119,7 @@ def solved_face(
     reached = {
         name: np.array([gains @ face.weights(one) for one in targets[name]]) for name in targets
     }
-    return SolvedFace(path, targets, reached)
+    return SolvedFace(model.path, targets, reached)
 
 
 def pose_gains(
@@ -137,25 +131,14 @@ def pose_gains(
     be measured, or on which no shape opens a mouth.
     """
     from lipsync_lang.faces.rigs.driver import Driver, bare
-    from lipsync_lang.faces.rigs.read_outs import measured
-    from lipsync_lang.faces.rigs.recognise import find
+    from lipsync_lang.faces.rigs.recognise import mouth_gains
 
     poses = (*poseset.poses,)
     if rig is None:
-        channels, gains = bare(poses, pose_names(poseset)), np.eye(len(poses))
-    else:
-        driver = Driver.from_plain(rig, poses, np.zeros(len(poses)))
-        channels, gains = driver.channels, driver.rig.gains
-    moved, bones = measured(model), any(channel.node is not None for channel in channels)
-    if not moved or bones:
-        return None
-    places = find(channels, model).places
-    effect = np.zeros((len(channels), len(MOUTH_MEASURES)))
-    for number, channel in enumerate(channels):
-        for shape in places.get(channel.name, ()):
-            if shape in moved:
-                effect[number] += [getattr(moved[shape], name) for name in MOUTH_MEASURES]
-    return (gains.T @ effect).T
+        return mouth_gains(bare(poses, pose_names(poseset)), model)
+    driver = Driver.from_plain(rig, poses, np.zeros(len(poses)))
+    found = mouth_gains(driver.channels, model)
+    return None if found is None else found @ driver.rig.gains
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,7 +204,7 @@ class _FaceToSolve:
         for number, step in enumerate(steps):
             weights = self.weights(step)
             wanted = mouth[min(number, len(mouth) - 1)]
-            stated = [getattr(wanted, measure) for measure in MOUTH_MEASURES]
+            stated = [getattr(wanted, measure) for measure in models.MOUTH_MEASURES]
             firm = np.where([one is not None for one in stated], FIRMNESS, IDLE_FIRMNESS)
             aim = reach * np.array([one or 0.0 for one in stated])
             aim -= self.gains[:, ~free] @ weights[~free]

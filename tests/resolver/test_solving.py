@@ -9,9 +9,11 @@ from hypothesis import strategies as st
 from shipped import LIBRARY
 
 import lipsync_lang as ll
+from lipsync_lang.faces.rigs.model import read_model
+from lipsync_lang.packs import models
 from lipsync_lang.packs.library import Library
 from lipsync_lang.resolver.layers import PairPacks
-from lipsync_lang.resolver.solving import MOUTH_MEASURES, _FaceToSolve, pose_gains, solved_face
+from lipsync_lang.resolver.solving import _FaceToSolve, pose_gains, solved_face
 
 SOLVED = [
     name.name
@@ -36,9 +38,9 @@ def error(solver, name, steps):
     """Return the distance of a target's first step from its mouth, in the measures stated."""
     mouth = SOUNDS[name].mouth[0]
     missed = solver.gains @ solver.weights(steps[0]) - [
-        getattr(mouth, m) or 0.0 for m in MOUTH_MEASURES
+        getattr(mouth, m) or 0.0 for m in models.MOUTH_MEASURES
     ]
-    stated = [getattr(mouth, m) is not None for m in MOUTH_MEASURES]
+    stated = [getattr(mouth, m) is not None for m in models.MOUTH_MEASURES]
     return np.linalg.norm(missed[stated])
 
 
@@ -71,7 +73,7 @@ def test_a_solved_target_keeps_bounds_pairs_contacts_and_ceilings(name, data):
 def test_vowels_open_as_far_on_every_head(tmp_path, monkeypatch, jaw):
     monkeypatch.setitem(face_models.OPENINGS, "jawOpen", jaw)
     poseset = LIBRARY.poseset("arkit").model
-    found = solved_face(poseset, COMMON, face(tmp_path / "head.glb", *ARKIT))
+    found = solved_face(poseset, COMMON, read_model(face(tmp_path / "head.glb", *ARKIT)))
     for name in ("aa", "eh", "ih", "kg"):
         reached, wanted = found.reached[name][0, 0], SOUNDS[name].mouth[0].aperture
         assert reached == pytest.approx(wanted, abs=0.03), name
@@ -82,19 +84,13 @@ def test_consonants_do_not_flap_on_a_head_whose_consonants_open(tmp_path, monkey
         monkeypatch.setitem(face_models.OPENINGS, shape, 0.3)
     poseset = LIBRARY.poseset("oculus").model
     path = face(tmp_path / "head.glb", *OCULUS)
-    found = solved_face(poseset, COMMON, path)
-    solver = _FaceToSolve.of(poseset, pose_gains(poseset, ll_model(path)))
+    found = solved_face(poseset, COMMON, read_model(path))
+    solver = _FaceToSolve.of(poseset, pose_gains(poseset, read_model(path)))
     for name in ("d", "n", "kg", "ch"):
         assert error(solver, name, found.targets[name]) < 0.6 * error(
             solver, name, poseset.targets[name]
         )
         assert found.reached[name][0, 0] < found.reached["aa"][0, 0]
-
-
-def ll_model(path):
-    from lipsync_lang.faces.rigs.model import read_model
-
-    return read_model(path)
 
 
 FACEFX = LIBRARY.poseset("facefx").model
@@ -135,7 +131,9 @@ def test_what_a_kept_pose_does_is_left_out_of_what_is_solved():
 def test_reach_moves_every_mouth_farther(tmp_path):
     poseset = LIBRARY.poseset("arkit").model
     path = face(tmp_path / "head.glb", *ARKIT)
-    near, far = (solved_face(poseset, COMMON, path, reach=reach) for reach in (1.0, 1.6))
+    near, far = (
+        solved_face(poseset, COMMON, read_model(path), reach=reach) for reach in (1.0, 1.6)
+    )
     for name in ("aa", "eh", "l", "d"):
         ratio = far.reached[name][0, 0] / near.reached[name][0, 0]
         assert 1.4 < ratio < 1.8, name
@@ -144,12 +142,12 @@ def test_reach_moves_every_mouth_farther(tmp_path):
 def test_a_head_whose_mouth_the_pose_set_cannot_open_is_refused(tmp_path):
     path = face(tmp_path / "head.glb", *ARKIT, "viseme_aa", dead={"jawOpen"})
     with pytest.raises(ll.ModelError, match=r"head\.glb: no shape of it that is a pose of arkit"):
-        solved_face(LIBRARY.poseset("arkit").model, COMMON, path)
+        solved_face(LIBRARY.poseset("arkit").model, COMMON, read_model(path))
 
 
 def test_a_head_that_cannot_be_measured_keeps_the_declared_targets(tmp_path):
     path = face(tmp_path / "head.glb", *ARKIT, dead={"jawOpen"})
-    assert solved_face(LIBRARY.poseset("arkit").model, COMMON, path) is None
+    assert solved_face(LIBRARY.poseset("arkit").model, COMMON, read_model(path)) is None
     plain, same = (ll.resolve("english", who) for who in ("arkit", path))
     assert np.array_equal(plain.compiled.tables.neutral.curves, same.compiled.tables.neutral.curves)
 
@@ -179,6 +177,16 @@ def test_a_character_with_a_model_is_solved_and_says_so(project):
         ll.resolve("english", "anna").perform(ll.Schedule(("AA", "D"), [0, 0.2, 0.4])).explain(0.2)
     )
     assert "solved on head.glb" in told
+
+
+def test_a_character_whose_mouth_stays_shut_is_refused_until_it_says_declared(project, tmp_path):
+    path = tmp_path / "characters" / "head.glb"
+    face(path, *ARKIT, "viseme_aa", dead={"jawOpen"})
+    with pytest.raises(ll.ModelError, match="opens the mouth"):
+        project()
+    assert project("mouth: declared\n").solved is None
+    path.write_bytes(b"damaged")
+    assert project().solved is None
 
 
 def test_one_line_keeps_the_declared_targets(project):

@@ -16,12 +16,13 @@ from typing import Any, cast
 
 import numpy as np
 
+from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import PackError
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.faces.rigs.driver import Driver, bare
 from lipsync_lang.faces.rigs.model import Model, some
-from lipsync_lang.faces.rigs.read_outs import apertures, still_shapes
+from lipsync_lang.faces.rigs.read_outs import apertures, measured, still_shapes
 from lipsync_lang.faces.rigs.shape_matching import on_mesh
 from lipsync_lang.packs import models
 from lipsync_lang.packs.checking.rig_checks import check_rig
@@ -233,6 +234,24 @@ def find(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
         if channel.node in model.nodes:
             places[channel.name] = {str(channel.node): None}
     return ChannelPlaces({name: (*own,) for name, own in places.items()}, shared, (*doubts,))
+
+
+def mouth_gains(channels: Sequence[Channel], model: Model) -> Floats | None:
+    """Return what each channel does to the measures of the mouth at full weight: (4, C).
+
+    None for channels of bones, and for a model that is too large to be measured, or on which no
+    shape opens a mouth.
+    """
+    moved, bones = measured(model), any(channel.node is not None for channel in channels)
+    if not moved or bones:
+        return None
+    places = find(channels, model).places
+    gains = np.zeros((len(models.MOUTH_MEASURES), len(channels)))
+    for number, channel in enumerate(channels):
+        for shape in places.get(channel.name, ()):
+            if shape in moved:
+                gains[:, number] += [getattr(moved[shape], name) for name in models.MOUTH_MEASURES]
+    return gains
 
 
 def _matches(library: Library, poseset: models.PoseSet, model: Model) -> Iterator[Match]:

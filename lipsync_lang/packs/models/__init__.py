@@ -10,6 +10,7 @@ from lipsync_lang.packs.models.gesture_models import GesturePose as GesturePose
 from lipsync_lang.packs.models.gesture_models import GestureWords as GestureWords
 from lipsync_lang.packs.models.ipa_models import Decision as Decision
 from lipsync_lang.packs.models.ipa_models import Ipa as Ipa
+from lipsync_lang.packs.models.language_models import MOUTH_MEASURES as MOUTH_MEASURES
 from lipsync_lang.packs.models.language_models import USUAL as USUAL
 from lipsync_lang.packs.models.language_models import Language as Language
 from lipsync_lang.packs.models.language_models import Phonemes as Phonemes

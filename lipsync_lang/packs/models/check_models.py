@@ -61,6 +61,14 @@ class Checks(Strict):
     """Seconds by which the median contact may be early or late."""
     unopened: Unit | None = None
     """Share of the vowels that may leave the mouth closed."""
+    seen_opening: NotNegative | None = None
+    """Times by which the mouth of a model may open farther or less far than in film."""
+    seen_flaps: Unit | None = None
+    """Share of the consonants that may open the mouth of a model far more than in film."""
+    seen_gaps: Unit | None = None
+    """Share of the sounds with shut lips that may leave the lips of a model apart."""
+    seen_width: NotNegative | None = None
+    """Range of the width of a model's mouth, in widths of the mouth."""
     constraints: Unit | None = None
     """Share of frames in which poses may break a constraint."""
     speed: Positive | None = None

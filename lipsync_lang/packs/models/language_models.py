@@ -63,6 +63,10 @@ class SoundMouth(Strict):
     """Way of the chin downwards, where the teeth must be near each other; else it is free."""
 
 
+MOUTH_MEASURES = (*SoundMouth.model_fields,)
+"""Names of the measures of a mouth, which those of a model share."""
+
+
 class SoundFields(Strict):
     """Fields of a common phoneme and of a shade."""
 

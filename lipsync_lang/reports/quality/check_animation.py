@@ -4,12 +4,14 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.base.presentation.junit import JunitCase, JunitSuite, junit_text
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.performing.performer import PerformedLine, Performer, performer_of
+from lipsync_lang.reports.quality.face_columns import Face
 from lipsync_lang.reports.quality.figures import Figure, Quality, describe
 from lipsync_lang.reports.quality.measured_scene import scene_of
 from lipsync_lang.reports.quality.measures import load_measures
@@ -76,7 +78,7 @@ def check(
         remarks = (gesture_rates(said.performer, said.settings, animation), *remarks)
     if animation.schedule is not None and animation.schedule.likely:
         remarks = (*remarks, HEARD_REMARK)
-    return replace(quality, remarks=remarks)
+    return replace(quality, remarks=(*quality.remarks, *remarks))
 
 
 def check_all(
@@ -95,8 +97,10 @@ def check_all(
             raise LipsyncError(f"the limit of {name} is {value}; give a number of at least 0")
         asked[name] = value
     figures: list[list[Figure]] = [[] for _ in animations]
+    told: tuple[str, ...] = ()
     for start in range(0, len(animations), BLOCK_LINES):
         scene = scene_of(animations[start : start + BLOCK_LINES], performer)
+        told = (_judged_on(scene.face, performer.model),)
         for name, one in measures.items():
             for own, found in zip(figures[start:], one.find(scene), strict=False):
                 for figure in found:
@@ -104,9 +108,18 @@ def check_all(
                     whole = f"{name} {figure.name}".rstrip()
                     own.append(figure._replace(name=whole, unit=one.unit, limit=limit))
     return [
-        Quality(_subject(animation, performer), tuple(own))
+        Quality(_subject(animation, performer), tuple(own), told)
         for animation, own in zip(animations, figures, strict=True)
     ]
+
+
+def _judged_on(face: Face, model: Path | None) -> str:
+    """Say whether a mesh was judged, or weights and why."""
+    if model is None:
+        return "weights were judged: this character has no model"
+    if face.seen is None:
+        return f"weights were judged: the mouth of {model.name} cannot be measured"
+    return f"judged on the mesh of {model.name}"
 
 
 def _subject(animation: "Animation", performer: Performer) -> str:

@@ -71,6 +71,18 @@ class Roles(NamedTuple):
     """(N, C) True for phonemes that prevent the anticipation of a column."""
 
 
+class SeenMouth(NamedTuple):
+    """The mouth on the mesh of a model, beside that of filmed people."""
+
+    gains: Floats
+    """(4, C) measures of the mouth of each column at 1."""
+    apertures: Floats
+    """(N,) aperture of each phoneme in film, at this reach; NaN if none is stated."""
+    consonants: Bools
+    """(N,)"""
+    reach: float
+
+
 class BoundedColumns(NamedTuple):
     """The bounded columns of all contacts in sequence: B in all."""
 
@@ -108,6 +120,8 @@ class Face:
     """By rule, (N,) True for its common phonemes and their shades."""
     roles: Roles | None = None
     """None for the channels of a rig."""
+    seen: SeenMouth | None = None
+    """None if the mouth cannot be measured on a mesh."""
     aperture: Floats | None = None
     """(C,) gains of the opening of the mouth; None if nothing states them."""
     vowels: Floats | None = None
@@ -192,35 +206,45 @@ def _posed(performer: "Performer") -> Face:
     }
     alone = _alone(compiled)
     roles = _roles(compiled, performer.opening_poses, alone)
-    opening = measures.get(APERTURE, roles.opening.astype(float))
-    aperture = opening * _moving(performer, performer.poses)
+    mouth, moving = _on_mesh(performer, performer.poses)
+    stated = measures.get(APERTURE, roles.opening.astype(float))
+    opening = stated if mouth is None else mouth.gains[0]
+    aperture = opening * moving if stated.any() else None
     unit = np.ones(count)
     limits = tables.caps, tables.at_most, np.zeros(count), unit, unit
-    judged = measures, _meant(compiled), roles, aperture if opening.any() else None
+    judged = measures, _meant(compiled), roles, mouth, aperture
     vowels = _vowels(compiled, alone @ opening)
     return Face(performer.poses, tuple(touches), *limits, *judged, vowels, _yields(tables))
 
 
-def _moving(performer: "Performer", names: tuple[str, ...]) -> Bools:
-    """Return False for poses, or channels, whose shapes move no point of the model: (C,)."""
+def _on_mesh(performer: "Performer", names: tuple[str, ...]) -> tuple[SeenMouth | None, Bools]:
+    """Return the mouth on the model, and True for poses, or channels, that move it: (C,)."""
     from lipsync_lang.faces.rigs.model import known_model
-    from lipsync_lang.faces.rigs.read_outs import still_shapes
+    from lipsync_lang.faces.rigs.recognise import MIN_SHOWN_SHARE, find, mouth_gains
     from lipsync_lang.faces.rigs.shape_matching import on_mesh
 
-    model = None if performer.model is None else known_model(performer.model, bones=True)
-    still = still_shapes(model) if model else frozenset()
-    if model is None or not still:
-        return np.ones(len(names), bool)
-    driver = performer.driver
+    unknown = None, np.ones(len(names), bool)
+    if performer.model is None:
+        return unknown
+    driver, model = performer.driver, known_model(performer.model, bones=True)
     channels = driver.channels if driver else performer.channels
-    found: dict[int, set[str]] = {}
-    for mesh in model.meshes:
-        for number, shapes in on_mesh(channels, mesh).shapes.items():
-            found.setdefault(number, set()).update(shapes)
-    moves = np.array([not (n in found and found[n] <= still) for n in range(len(channels))])
+    shapes = {number for mesh in model.meshes for number in on_mesh(channels, mesh).shapes}
+    bones = any(channel.node is not None for channel in channels)
+    # A rig without a model has that of its pose set, which has other shapes.
+    if driver and not bones and len(shapes) < MIN_SHOWN_SHARE * len(channels):
+        return unknown
+    gains, places = mouth_gains(channels, model), find(channels, model).places
+    moves = np.array([one.name in places for one in channels])
     if driver and names == performer.poses:
+        gains = None if gains is None else gains @ driver.rig.gains
         moves = ((driver.rig.gains != 0) & moves[:, None]).any(axis=0)
-    return moves
+    if gains is None:
+        return None, moves
+    compiled = performer.compiled
+    stated, spoken = compiled.checks["apertures"], np.arange(len(compiled.phonemes))
+    filmed = np.array([stated.get(name, np.nan) for name in compiled.phonemes])
+    consonants = ~_are_vowels(compiled) & (spoken != compiled.tables.silence)
+    return SeenMouth(gains, filmed, consonants, compiled.checks["reach"]), moves
 
 
 def _yields(tables: Tables) -> Bools:
@@ -255,14 +279,18 @@ def _vowels(compiled: "CompiledPair", aperture: Floats) -> Floats:
     A vowel that the face opens little, as for rounded lips, has none. If the face opens for no
     vowel, all vowels have the least visible aperture, so that none of them gets it.
     """
-    kinds = compiled.manner["kinds"]
-    named = [compiled.shades.get(name, name) for name in compiled.phonemes]
-    vowel = np.array([kinds.get(name) == VOWEL for name in named])
-    peak = aperture.max(axis=1)
+    vowel, peak = _are_vowels(compiled), aperture.max(axis=1)
     widest = peak[vowel].max(initial=0.0)
     opens = (peak > OPENS_SHARE * widest) | (widest < LEAST_APERTURE)
     least = np.maximum(LEAST_APERTURE, OPENED_SHARE * peak)
     return np.where(vowel & opens, least, np.nan)
+
+
+def _are_vowels(compiled: "CompiledPair") -> Bools:
+    """Return True for phonemes that are vowels: (N,)."""
+    kinds = compiled.manner["kinds"]
+    named = [compiled.shades.get(name, name) for name in compiled.phonemes]
+    return np.array([kinds.get(name) == VOWEL for name in named])
 
 
 def _roles(compiled: "CompiledPair", opening: Bools, alone: Floats) -> Roles:
@@ -284,13 +312,15 @@ def _rigged(performer: "Performer", rig: "Rig", names: tuple[str, ...]) -> Face:
     """Return the face of a rig's channels; gains transfer the bounds of contacts to channels."""
     compiled = performer.compiled
     span = np.where(rig.span > 0, rig.span, 1.0)
+    mouth, moving = _on_mesh(performer, names)
     aperture, posed = (compiled.rig or {}).get("measures", {}).get(APERTURE), _posed(performer)
-    if aperture is not None:
+    if mouth is not None:
+        aperture = mouth.gains[0]
+    elif aperture is not None:
         aperture = np.array([aperture.get(name, 0.0) for name in names])
     elif posed.aperture is not None:
         # of all gains that read the aperture of the poses, the smallest
         aperture = posed.aperture @ np.linalg.pinv(rig.gains / span[:, None]) / span
-    moving = _moving(performer, names)
     alone = np.clip(_alone(compiled) @ rig.gains.T, rig.low, rig.high)
     yielding = np.isin(np.arange(len(names)), [channel for channel, _ in rig.at_most])
     free = _bounds(rig, np.zeros(len(performer.poses)), np.ones(len(performer.poses)))
@@ -308,10 +338,10 @@ def _rigged(performer: "Performer", rig: "Rig", names: tuple[str, ...]) -> Face:
         )
     ranges = rig.at_most, rig.low, rig.high, span
     vowels = None if aperture is None else _vowels(compiled, alone @ aperture)
-    seen = None if aperture is None else aperture * moving
+    shown = None if aperture is None else aperture * moving
     return Face(
         names, tuple(touches), (), *ranges, {}, _meant(compiled),
-        aperture=seen, vowels=vowels, yields=posed.yields,
+        seen=mouth, aperture=shown, vowels=vowels, yields=posed.yields,
     )  # fmt: skip
 
 

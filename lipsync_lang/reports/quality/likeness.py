@@ -368,7 +368,9 @@ def opening_lag(scene: MeasuredScene) -> Iterable[list[Figure]]:
             yield unjudged(why or few)
             continue
         worst = np.argsort(-lags)[:MAX_PLACES]
-        told = {int(own[n]): f"opens the mouth {lags[n]:.3f} s late" for n in worst.tolist()}
+        told = {
+            int(own[n]): f"opens the mouth {lags[n]:.3f} s late" for n in worst.tolist() if lags[n]
+        }
         parts = {"longest": round(float(lags.max()), 6), "sounds": len(own)}
         yield one(median(lags.tolist()), parts, places(scene, told))
 

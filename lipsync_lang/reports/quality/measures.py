@@ -86,7 +86,8 @@ def once(find: Callable[[MeasuredScene], Found]) -> Callable[[MeasuredScene], Fo
 def load_measures() -> dict[str, Measure]:
     """Return every measure by name, in the order of reports."""
     modules = [
-        f"lipsync_lang.reports.quality.{name}" for name in ("closures", "movement", "likeness")
+        f"lipsync_lang.reports.quality.{name}"
+        for name in ("closures", "seen", "movement", "likeness")
     ]
     for module in modules:
         import_module(module)

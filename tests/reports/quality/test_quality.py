@@ -382,7 +382,7 @@ def test_a_face_that_does_not_open_fails_in_every_pose_set(name):
 def test_a_face_without_any_open_vowel_fails_by_all_of_its_vowels():
     there = performer()
     mute = {APERTURE: {performer().poses[0]: 1e-6}}
-    face = Performer(replace(there.compiled, measures=mute), there.motion)
+    face = Performer(replace(there.compiled, measures=mute, model=None), there.motion)
     assert check(face.perform(line()))["unopened"].parts == {"opened": 0, "closed": 4}
 
 

@@ -1,0 +1,166 @@
+"""Measures of the mouth as a viewer sees it, on the mesh of the model, beside filmed lips.
+
+Conventions: lengths are in widths of the closed mouth, and are what the shapes of the model add to
+the face at rest. `languages/common.yaml` states the mouths of sounds in film, which the `reach` of
+the character scales. They come from 170 sentences of a speaker of the GRID corpus (Cooke, Barker,
+Cunningham and Shao, 2006) and from the lips of six actors, who open twice as far as he does.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.reports.quality.curve_statistics import percentile
+from lipsync_lang.reports.quality.face_columns import SeenMouth
+from lipsync_lang.reports.quality.figures import Figure
+from lipsync_lang.reports.quality.likeness import LEAST_SOUNDS, LEAST_SPEECH_SECONDS
+from lipsync_lang.reports.quality.measured_scene import MeasuredScene, search
+from lipsync_lang.reports.quality.measures import measure, once, one, places, share, unjudged
+
+SLIT = 0.05
+"""Aperture of lips that a viewer sees apart: 2.5 mm of a human mouth."""
+
+FLAP = 0.1
+"""Aperture of a consonant, past that of filmed lips at reach 1, that a viewer sees as a flap."""
+
+NO_OPENING = 0.01
+"""Opening of a mouth that never opens, so that it can be divided by."""
+
+
+class _MeasuredMouth(NamedTuple):
+    """The mouth of all lines."""
+
+    seen: SeenMouth
+    aperture: Floats
+    """(T,) at least 0: lips do not pass each other."""
+    width: Floats
+    """(T,)"""
+    filmed: Floats
+    """(n,) aperture of each phoneme in film; NaN if none is stated."""
+
+
+FigureOf = Callable[[_MeasuredMouth, slice, slice], list[Figure]]
+"""Function of a mouth, and of the frames and the phonemes of a line."""
+
+
+@once
+def _mouth(scene: MeasuredScene) -> _MeasuredMouth | str:
+    """Return the mouth, or the reason why it is not judged."""
+    seen = scene.face.seen
+    if seen is None:
+        return "the mouth is not measured on a mesh"
+    if scene.motion.hold > 0:
+        return "poses are shown one at a time"
+    aperture, width = seen.gains[:2] @ scene.curves
+    return _MeasuredMouth(seen, np.maximum(0.0, aperture), width, seen.apertures[scene.ids])
+
+
+def _lines(
+    scene: MeasuredScene, figure_of: FigureOf, seconds: float = 0.0
+) -> Iterator[list[Figure]]:
+    """Yield a figure for each line with so many seconds of speech."""
+    mouth = _mouth(scene)
+    own = [slice(*one) for one in pairwise(scene.phonemes.tolist())]
+    for span, sounds, spoken in zip(scene.spans, own, scene.seconds, strict=True):
+        if isinstance(mouth, str):
+            yield unjudged(mouth)
+        elif spoken < seconds or not scene.speaking[span].any():
+            yield unjudged(f"{spoken:.1f} s of speech are too short; statistics need {seconds:g} s")
+        else:
+            yield figure_of(mouth, span, sounds)
+
+
+@measure("seen_opening", "times", limit=2.3)
+def seen_opening(scene: MeasuredScene) -> Iterable[list[Figure]]:
+    """Times by which the mouth opens farther, or less far, on the mesh than in film.
+
+    The sounds of the line say how far filmed people open it. Actors open twice as far as others,
+    and so may a face; the limit is just above::
+
+        ours, film = 95th percentiles over frames of speech of the aperture
+        value = max(ours / film, film / ours)
+    """
+
+    def figure_of(mouth: _MeasuredMouth, span: slice, _: slice) -> list[Figure]:
+        filmed = np.where(scene.speaking, mouth.filmed[scene.owner], np.nan)[span]
+        known = np.isfinite(filmed)
+        if not np.nanmax(filmed, initial=0.0) > SLIT:
+            return unjudged("no sound of the line opens the mouth")
+        both = mouth.aperture[span][known], filmed[known]
+        ours, film = (round(percentile(part, 95), 4) for part in both)
+        ratio = max(ours, NO_OPENING) / max(film, SLIT)
+        return one(max(ratio, 1 / ratio), {"opening": ours, "film": film})
+
+    return _lines(scene, figure_of, LEAST_SPEECH_SECONDS)
+
+
+@measure("seen_flaps", "of consonants", limit=0.25)
+def seen_flaps(scene: MeasuredScene) -> Iterable[list[Figure]]:
+    """Consonants that open the mouth on the mesh far more than in film.
+
+    Shapes of consonants that open the mouth as far as vowels do make it flap. Actors pass the
+    aperture of film by 0.06 on average::
+
+        value = consonants with an aperture of 0.1 * reach more than in film / consonants
+    """
+    frames = (scene.frame_line, scene.times)
+    middles = search(frames, (scene.line, (scene.begin + scene.end) / 2))
+
+    def figure_of(mouth: _MeasuredMouth, span: slice, own: slice) -> list[Figure]:
+        meant = mouth.seen.consonants[scene.ids[own]] & np.isfinite(mouth.filmed[own])
+        if meant.sum() < LEAST_SOUNDS:
+            return unjudged(f"fewer than {LEAST_SOUNDS} consonants")
+        aperture = mouth.aperture[np.minimum(middles[own], span.stop - 1)]
+        far = meant & (aperture - mouth.filmed[own] > FLAP * mouth.seen.reach)
+        told = {
+            own.start + n: f"opens the mouth to {aperture[n]:.2f}; filmed people to "
+            f"{mouth.filmed[own.start + n]:.2f}"
+            for n in far.nonzero()[0].tolist()
+        }
+        return one(share(far[meant]), findings=places(scene, told))
+
+    return _lines(scene, figure_of)
+
+
+@measure("seen_gaps", "of closures", limit=0)
+def seen_gaps(scene: MeasuredScene) -> Iterable[list[Figure]]:
+    """Sounds with shut lips whose lips stay apart on the mesh.
+
+    Such sounds demand a contact, and shut the lips in film. At one frame, extended by half a frame,
+    the aperture must be at most 0.05 of the mouth's width: 2.5 mm of a human mouth::
+
+        value = sounds that stay above / such sounds
+    """
+    asked = np.asarray(scene.demanded.any(axis=0))
+
+    def figure_of(mouth: _MeasuredMouth, _: slice, own: slice) -> list[Figure]:
+        meant = asked[own] & (mouth.filmed[own] == 0)
+        if not meant.any():
+            return unjudged("no sound of the line shuts the lips")
+        least = -scene.highest(-mouth.aperture)[own]
+        apart = meant & ~(least <= SLIT)
+        told = {own.start + n: f"leaves the lips {least[n]:.2f} apart" for n in apart.nonzero()[0]}
+        return one(share(apart[meant]), findings=places(scene, told))
+
+    return _lines(scene, figure_of)
+
+
+@measure("seen_width", "of the mouth", limit=0.36)
+def seen_width(scene: MeasuredScene) -> Iterable[list[Figure]]:
+    """Range of the mouth's width on the mesh, at reach 1.
+
+    The GRID speaker has 0.03 to 0.19 in a sentence, and 0.09 in all. Actors round up to four times
+    as far as he does, which is the limit. Human heads often have less than 0.05::
+
+        value = (95th - 5th percentile over frames of speech of the width) / reach
+    """
+
+    def figure_of(mouth: _MeasuredMouth, span: slice, _: slice) -> list[Figure]:
+        width = mouth.width[span][scene.speaking[span]]
+        low, high = (round(percentile(width, share), 4) for share in (5, 95))
+        return one((high - low) / mouth.seen.reach, {"low": low, "high": high})
+
+    return _lines(scene, figure_of, LEAST_SPEECH_SECONDS)

@@ -1,0 +1,135 @@
+"""The mouth as a viewer sees it, on heads that are made in code."""
+
+import face_models
+import numpy as np
+import pytest
+from face_models import ARKIT, OCULUS, face
+
+import lipsync_lang as ll
+from lipsync_lang.reports.quality.check_animation import check, check_all
+from lipsync_lang.reports.quality.face_columns import face_of
+
+LABELS = "DH AH K AE T S AE T DH EH R AE N D N OW B AA D IY EH L S M EY D K IY P M AH N IY"
+FLAPPING = ("viseme_DD", "viseme_kk", "viseme_nn", "viseme_CH")
+
+
+def line():
+    labels = LABELS.split()
+    return ll.Schedule(("_", *labels, "_"), [0, *0.3 + 0.1 * np.arange(len(labels) + 1), 4])
+
+
+@pytest.fixture
+def judged(tmp_path):
+    """Return a function that judges the line on a head with these shapes."""
+
+    def judge(shapes, poseset, more=""):
+        face(tmp_path / "head.glb", *shapes)
+        text = f"kind: character\nformat: 1\nname: anna\nposeset: {poseset}\nmodel: head.glb\n"
+        (tmp_path / "characters").mkdir(exist_ok=True)
+        (tmp_path / "characters" / "anna.yaml").write_text(text.replace("head", "../head") + more)
+        performer = ll.resolve("english", "anna", paths=[tmp_path])
+        return check(performer.perform(line(), 60))
+
+    return judge
+
+
+def failed(quality):
+    return [figure.name for figure in quality.failed if figure.name.startswith("seen")]
+
+
+@pytest.mark.parametrize(("shapes", "poseset"), [(ARKIT, "arkit"), (OCULUS, "oculus")])
+def test_a_solved_head_opens_as_filmed_people_do(judged, shapes, poseset):
+    quality = judged(shapes, poseset)
+    assert failed(quality) == []
+    assert quality["seen_opening"].value < 1.5
+    assert quality["seen_flaps"].value == quality["seen_gaps"].value == 0
+    assert quality.remarks == ("judged on the mesh of head.glb",)
+
+
+def test_a_jaw_that_opens_too_little_fails(judged, monkeypatch):
+    monkeypatch.setitem(face_models.OPENINGS, "jawOpen", 0.12)
+    quality = judged(ARKIT, "arkit")
+    assert failed(quality) == ["seen_opening"]
+    opening, film = quality["seen_opening"].parts.values()
+    assert opening < film / 2.3
+
+
+def test_consonants_that_open_as_far_as_vowels_fail_and_are_named(judged, monkeypatch):
+    for shape in FLAPPING:
+        monkeypatch.setitem(face_models.OPENINGS, shape, 0.4)
+    quality = judged(OCULUS, "oculus", "mouth: declared\n")
+    assert failed(quality) == ["seen_flaps"]
+    assert any(
+        one.what.startswith("K opens the mouth to") for one in quality["seen_flaps"].findings
+    )
+
+
+def test_lips_that_stay_apart_fail_although_the_weights_close_them(judged, monkeypatch):
+    monkeypatch.setitem(face_models.OPENINGS, "viseme_PP", 0.1)
+    quality = judged(OCULUS, "oculus")
+    assert failed(quality) == ["seen_gaps"]
+    assert quality["contacts lips"].passed
+    assert [one.what[0] for one in quality["seen_gaps"].findings] == ["B", "M", "P", "M"]
+
+
+def test_a_reach_scales_what_film_shows(judged):
+    near, far = (judged(ARKIT, "arkit", f"reach: {reach}\n") for reach in (1.0, 1.6))
+    assert far["seen_opening"].parts["opening"] > 1.4 * near["seen_opening"].parts["opening"]
+    assert far["seen_opening"].value == pytest.approx(near["seen_opening"].value, abs=0.2)
+
+
+def test_a_mouth_that_is_too_wide_fails_unless_its_reach_says_so(judged, monkeypatch):
+    usual = face_models.moved
+
+    def moved(name, dead=()):
+        offsets = usual(name, dead)
+        if name == "jawOpen":
+            offsets[:22, 0] = 3 * face_models.POINTS[:22, 0]
+        return offsets
+
+    monkeypatch.setattr(face_models, "moved", moved)
+    declared = "mouth: declared\n"
+    assert "seen_width" in failed(judged(ARKIT, "arkit", declared))
+    assert "seen_width" not in failed(judged(ARKIT, "arkit", f"{declared}reach: 3\n"))
+
+
+def test_weights_are_judged_without_a_mesh_and_the_result_says_so(judged):
+    animation = ll.resolve("english", "arkit").perform(line(), 60)
+    quality = check(animation)
+    assert quality.remarks == ("weights were judged: this character has no model",)
+    assert quality["seen_opening"].why == "the mouth is not measured on a mesh"
+    blind = judged([name for name in ARKIT if name != "jawOpen"], "arkit")
+    assert blind.remarks == ("weights were judged: the mouth of head.glb cannot be measured",)
+
+
+def test_channels_of_a_rig_move_the_mesh_as_its_poses_do(tmp_path):
+    (tmp_path / "characters").mkdir()
+    face(tmp_path / "characters" / "head.glb", *ARKIT)
+    (tmp_path / "characters" / "anna.yaml").write_text(
+        "kind: character\nformat: 1\nname: anna\nposeset: facefx\nrig: facefx-to-arkit\n"
+        "model: head.glb\n"
+    )
+    performer = ll.resolve("english", "anna", paths=[tmp_path])
+    poses = performer.perform(line(), 60)
+    channels = performer.rigged(poses)
+    gains = [face_of(one, performer).seen.gains for one in (poses, channels)]
+    assert np.allclose(gains[1] @ performer.driver.rig.gains, gains[0])
+    by_poses, by_channels = (check(one, performer=performer) for one in (poses, channels))
+    opened = [one["seen_opening"].parts["opening"] for one in (by_poses, by_channels)]
+    assert opened[1] == pytest.approx(opened[0], abs=0.03)
+
+
+def test_short_lines_are_not_judged_by_statistics():
+    performer = ll.resolve("english", "facefx")
+    short = performer.perform(ll.Schedule(("B", "AA"), [0, 0.1, 0.4]))
+    rest = performer.perform(ll.Schedule(("_",), [0, 0.4]))
+    for quality in check_all([short, rest], performer):
+        assert quality["seen_opening"].value is quality["seen_width"].value is None
+        assert quality["seen_flaps"].value is None
+    assert check(short)["seen_gaps"].value == 0
+
+
+def test_drawn_mouths_and_models_of_pose_sets_are_told_apart():
+    assert check(ll.resolve("english", "rhubarb").perform(line()))["seen_flaps"].value is None
+    facefx = check(ll.resolve("english", "facefx").perform(line()))
+    assert facefx.remarks == ("judged on the mesh of model.glb",)
