@@ -3,14 +3,16 @@
     python benchmarks/articulography.py FOLDER [-c facefx] [--json FILE]
 
 FOLDER holds, for each recording, NAME.ema.csv (time_s and coil positions in mm, axis 1 front to
-back, axis 2 upwards) and NAME.phones.tsv (start, end, label in German SAMPA). The read-outs are
-the pose set's `measures`, the same for every method and never fitted. Only speech is compared: not
+back, axis 2 upwards) and NAME.phones.tsv (start, end, label in German SAMPA), and NAME.wav for the
+method that follows its loudness. The read-outs are the pose set's `measures`, the same for every
+method and never fitted. Only speech is compared: not
 the pauses, not the frames where a coil was lost, and of a last phone that runs on into silence
 as long as phones are elsewhere.
 """
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import json_figures
@@ -19,6 +21,7 @@ import numpy as np
 import lipsync_lang as ll
 from lipsync_lang.plugins.capture.capture_reading import read_captures
 from lipsync_lang.reports.quality.baselines import dominance, keyframes, read_out
+from lipsync_lang.sound.speech.sound import read_audio
 
 LANGUAGE = "german"
 """The pack that knows the labels, which are its SAMPA."""
@@ -70,6 +73,13 @@ def main(folder: Path, poseset: str = "facefx", file: Path | None = None) -> int
         "keyframes at centres": lambda schedule, fps: keyframes(performer, schedule, fps),
         "dominance, utterance": lambda schedule, fps: dominance(performer, schedule, fps),
     }
+    heard = {
+        schedule: replace(schedule, audio=read_audio(folder / f"{name}.wav"))
+        for name, schedule, *_ in lines
+        if (folder / f"{name}.wav").is_file()
+    }
+    if len(heard) == len(lines):
+        methods["with its sound"] = lambda schedule, fps: performer.perform(heard[schedule], fps)
     kept: dict[str, dict[str, list[float]]] = {}
     print(f"Pearson r, {performer.character} speaking {performer.language}, at {FPS:g} fps")
     for measure, gains in performer.compiled.measures.items():

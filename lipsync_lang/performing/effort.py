@@ -1,9 +1,9 @@
 """Dials from effort: loud sounds, stressed vowels and emphasised words move the mouth further.
 
-Vowels are always louder than stops, so each sound is compared with the median of its sound class in
-the same line, in decibels. The line as a whole is compared with a reference: its active level, the
-mean power of its sounds without the pauses (as ITU-T P.56 measures it), against that of ordinary
-speech. Microphones and mixes differ, so the first `TOLERANCE` decibels of that do not count.
+Speech is compared with a reference: its active level, the mean power of the sounds of about two
+seconds without the pauses (as ITU-T P.56 measures it), against that of ordinary speech. Microphones
+and mixes differ, so the first `TOLERANCE` decibels of that do not count. The level of a single
+sound tells little of its mouth: on filmed lips and on articulographs, r falls if it counts.
 
 Within a line the jaw also follows the energy of each frame, against the median of all: the mouth is
 widest where the voice is loudest, which is not always the middle of a vowel.
@@ -15,8 +15,6 @@ emphasized vowels"). The pose set states the amounts, which are far below those 
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from math import copysign, log10
-from statistics import median
 from typing import Any
 
 import numpy as np
@@ -46,8 +44,11 @@ STRESS_REACH_SECONDS = 0.15
 MOST = 2.0
 """Maximum intensity; 1 is the setting of the pose set."""
 
+AROUND_SECONDS = 1.0
+"""Time on each side of a sound over which the level of the speech is measured."""
+
 SPAN = 4.5
-"""Difference from the median in decibels at the minimum and maximum level."""
+"""Difference from the reference, beyond the tolerance, in decibels at the least and most level."""
 
 ENERGY_STEP_SECONDS = 0.01
 """Distance of the frames whose energy is measured."""
@@ -55,23 +56,20 @@ ENERGY_STEP_SECONDS = 0.01
 ENERGY_REACH_SECONDS = 0.03
 """Time on each side of a frame over which its energy is measured: a jaw follows no faster."""
 
-ENERGY_SHARE = 0.3
+ENERGY_SHARE = 0.1
 """Largest share by which the energy of a frame raises or lowers the level."""
 
 ENERGY_SPAN = 12.0
 """Difference of a frame from the line's median in decibels at which that share is reached."""
 
 TOLERANCE = 6.0
-"""Difference of a line from the reference level in decibels that has no effect."""
+"""Difference of the speech from the reference level in decibels that has no effect."""
 
 FULL_SCALE = 32768.0
 """Amplitude of int16 samples at 0 dBFS."""
 
 FLOOR = 1.0
 """Amplitude of int16 samples that counts as silence; avoids the logarithm of 0."""
-
-_NEAR = (0.25, 0.5, 0.25)
-"""Smoothing weights of the previous, current and next sound."""
 
 
 def stress_levels(stated: Mapping[str, Any], factor: float) -> dict[int, float]:
@@ -217,7 +215,7 @@ def ramped_level(ramps: Sequence[Sequence[float]], highs: Sequence[float]) -> Le
 def loudness_dial(  # noqa: PLR0913, PLR0917 the loudness, and settings for it
     compiled: CompiledPair,
     schedule: Schedule,
-    classes: Sequence[str],
+    spoken: Bools,
     intensity: float | None,
     motion: Motion,
     poses: Bools,
@@ -226,7 +224,7 @@ def loudness_dial(  # noqa: PLR0913, PLR0917 the loudness, and settings for it
 
     Parameters
     ----------
-    classes : (n,) sound class of each phoneme; empty for silence
+    spoken : (n,) False for silence
     intensity : 0 for no effect, 1 for the setting of the pose set, 2 for twice that; None for the
         motion's `loudness`, without an error if there is no sound or no region
     motion : its `loudness` and `reference_level`
@@ -261,53 +259,52 @@ def loudness_dial(  # noqa: PLR0913, PLR0917 the loudness, and settings for it
     reference = motion.reference_level if usual is None else usual
 
     def level() -> Level:
-        slow = levels(schedule, classes, intensity, limits, reference)
+        slow = levels(schedule, spoken, intensity, limits, reference)
         return frame_levels(slow, schedule, intensity, limits)
 
-    given = (schedule.times.tobytes(), tuple(classes), intensity, limits, reference)
+    given = (schedule.times.tobytes(), spoken.tobytes(), intensity, limits, reference)
     return Dial(poses, kept_with(schedule.audio, "loudness", given, level), "loudness")
 
 
 def levels(
     schedule: Schedule,
-    classes: Sequence[str],
+    spoken: Bools,
     intensity: float,
     limits: tuple[float, float],
     reference: float,
 ) -> Level:
-    """Return the level over time, within limits; 1 without sound.
-
-    It is 1 for a sound as loud as the median of its class, in a line near the `reference` in dBFS.
+    """Return the level over time, within limits; 1 without sound, or near the `reference` in dBFS.
 
     The points are at the middle of each sound, with linear interpolation between them.
+
+    Parameters
+    ----------
+    spoken : (n,) False for silence
     """
-    if schedule.audio is None or not any(classes):
+    if schedule.audio is None or not spoken.any():
         return Level(np.zeros(1), np.ones(1))
     audio, times = schedule.audio, schedule.times
     cuts = np.clip(np.rint(times * audio.rate), 0, len(audio.samples)).astype(np.intp)
     # float32 squares int16 without overflow, in half the memory of float64
     samples = audio.samples.astype(np.float32)
     spans = [samples[low:high] for low, high in pairwise(cuts.tolist())]
-    powers, counts = [float(span @ span) for span in spans], [len(span) for span in spans]
-    decibels = list(map(_decibels, powers, counts))
-    alike: dict[str, list[float]] = {}
-    for level, one in zip(decibels, classes, strict=True):
-        alike.setdefault(one, []).append(level)
-    # the median is robust against a few stressed sounds
-    usual = {one: median(values) for one, values in alike.items()}
-    relative = [d - usual[one] if one else 0.0 for d, one in zip(decibels, classes, strict=True)]
-    above = _smooth(relative, classes)
-    sounding = [number for number, one in enumerate(classes) if one]
-    active = _decibels(sum(powers[n] for n in sounding), sum(counts[n] for n in sounding))
-    far = active - reference
-    beyond = copysign(max(abs(far) - TOLERANCE, 0.0), far)
-    share = np.clip((np.array(above)[sounding] + beyond) / SPAN, -1, 1)
+    powers = np.array([float(span @ span) for span in spans])[spoken]
+    counts = np.diff(cuts)[spoken]
+    middles = ((times[:-1] + times[1:]) / 2)[spoken]
+    first = np.searchsorted(middles, middles - AROUND_SECONDS)
+    stop = np.searchsorted(middles, middles + AROUND_SECONDS, side="right")
+    power, count = (
+        np.append(0, np.cumsum(one))[stop] - np.append(0, np.cumsum(one))[first]
+        for one in (powers, counts)
+    )
+    far = 10 * np.log10((power / count.clip(1)).clip(FLOOR**2) / FULL_SCALE**2) - reference
+    beyond = np.sign(far) * (np.abs(far) - TOLERANCE).clip(0)
+    share = (beyond / SPAN).clip(-1, 1)
     least, most = limits
-    # a louder sound moves towards the upper limit, a softer one towards the lower, so the
+    # a louder voice moves towards the upper limit, a softer one towards the lower, so the
     # two limits need not lie equally far from 1
     values = 1 + intensity * share * np.where(share > 0, most - 1, 1 - least)
-    middles = (times[:-1] + times[1:]) / 2
-    return Level(middles[sounding], np.maximum(values, 0.0))
+    return Level(middles, values.clip(0))
 
 
 def frame_levels(
@@ -317,7 +314,7 @@ def frame_levels(
 
     Parameters
     ----------
-    slow : level by sounds, at the middle of each
+    slow : level of the speech, at the middle of each sound
     intensity : 0 for no effect of a frame, 1 for the full share
     """
     audio = schedule.audio
@@ -336,20 +333,3 @@ def frame_levels(
     values = slow.at(middles) + intensity * ENERGY_SHARE * share
     lowest, highest = 1 - intensity * (1 - least), 1 + intensity * (most - 1)
     return Level(middles, values.clip(max(lowest, 0.0), highest))
-
-
-def _decibels(power: float, count: int) -> float:
-    """Return the level of a sum of squares over some samples in dBFS."""
-    return 10 * log10(max(power / max(count, 1), FLOOR**2) / FULL_SCALE**2)
-
-
-def _smooth(values: Sequence[float], classes: Sequence[str]) -> list[float]:
-    """Smooth neighbouring values within each run of sounds; classes are empty for silence."""
-    last = len(values) - 1
-    out = []
-    for number, value in enumerate(values):
-        # at the edge of a run the sound itself stands in for its neighbour
-        before = number - 1 if number and classes[number - 1] else number
-        after = number + 1 if number < last and classes[number + 1] else number
-        out.append(_NEAR[0] * values[before] + _NEAR[1] * value + _NEAR[2] * values[after])
-    return out

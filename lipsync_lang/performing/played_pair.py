@@ -99,9 +99,8 @@ def _effort(
         emphasis_dial(stated, schedule, poses),
     ]
     if schedule.audio is not None or intensity is not None:
-        classes = labels.classes(sounds, len(schedule))
-        compiled = pair.compiled
-        dials.append(loudness_dial(compiled, schedule, classes, intensity, motion, poses))
+        spoken = np.array(labels.classes(sounds, len(schedule)), str) != ""
+        dials.append(loudness_dial(pair.compiled, schedule, spoken, intensity, motion, poses))
     return tuple(dial for dial in dials if dial is not None)
 
 
