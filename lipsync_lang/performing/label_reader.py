@@ -57,6 +57,12 @@ SURE_SHARE = 0.97
 MAX_UNLISTED = 8
 """Maximum number of labels outside the language with a remark each."""
 
+FAST_SOUNDS, FAST_SECONDS = 8, 0.18
+"""So many sounds in a row, in less time than this, are no speech: the fastest is half as fast."""
+
+SHORTEST_SECONDS = 0.015
+"""Mean length of the sounds of a word, below which the word was not said there."""
+
 MAX_SHOWN = 4
 """Maximum number of labels or notations in a remark."""
 
@@ -403,7 +409,27 @@ def label_remarks(reader: LabelReader, schedule: Schedule) -> tuple[str, ...]:
         *_noise(reader, schedule),
         *_by_features(reader, schedule),
         *_notation(reader, schedule),
+        *_pace(schedule),
     )
+
+
+def _pace(schedule: Schedule) -> Iterator[str]:
+    """Yield a remark on sounds that follow each other faster than anyone speaks."""
+    sounds = np.array([label != SILENCE for label in schedule.labels])
+    starts, lengths = schedule.times[:-1][sounds], np.diff(schedule.times)[sounds]
+    ends = np.cumsum([0.0, *lengths])
+    spans = ends[FAST_SOUNDS:] - ends[:-FAST_SOUNDS]
+    at = np.flatnonzero(spans < FAST_SECONDS)
+    fast = [f"{FAST_SOUNDS} sounds in {spans[n]:.2f} s, at {starts[n]:.2f} s" for n in at]
+    for word in () if fast else schedule.words:
+        start, end = schedule.times[[word.first, word.stop]]
+        if end - start < (word.stop - word.first) * SHORTEST_SECONDS:
+            fast.append(f"'{word.text}' at {start:.2f} s, in {end - start:.2f} s")
+    if fast:
+        yield (
+            f"{schedule.source}: nobody speaks so fast: {shortlist(fast, 1)}; check its times, and "
+            "their unit (`--rate`)"
+        )
 
 
 def _by_features(reader: LabelReader, schedule: Schedule) -> Iterator[str]:

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.base.errors import ScheduleError
+from lipsync_lang.base.errors import ScheduleError, count
 from lipsync_lang.schedules.schedule import (
     MAX_MEDIAN_SECONDS,
     SILENCE,
@@ -36,6 +36,10 @@ LONG_SOUND_SECONDS = 1.0
 
 ROUNDING_SECONDS = 0.0101
 """Seconds; aligners round times to 10 ms, so that neighbours overlap or part by that much."""
+
+OVERLAP_SECONDS = 0.0501
+"""Seconds; people who place boundaries by hand, and models that time each sound apart, let
+neighbours overlap by that much."""
 
 MAX_LABEL_CHARS = 40
 """Maximum characters of a label in a message."""
@@ -129,7 +133,8 @@ def schedule_of(  # noqa: PLR0913 optional parts of a format
             [row._replace(start=row.start / rate, end=row.end / rate) for row in given]
             for given in (phones, spans)
         )
-    whole = _without_gaps(source, _shared(_named(source, phones)))
+    overlaps = Overlaps(source)
+    whole = _without_gaps(source, _shared(_named(source, phones)), overlaps)
     for row in spans:
         _check_order(source, row)
     lines: list[int] = []
@@ -143,7 +148,7 @@ def schedule_of(  # noqa: PLR0913 optional parts of a format
         notation=notation,
         source=str(source.path),
         lines=tuple(lines),
-        remarks=told,
+        remarks=(*told, *overlaps.remarks()),
     )
     found = words_from_spans(schedule, [(row.label, row.start, row.end) for row in spans])
     heard = [w for w in found if set(schedule.labels[w.first : w.stop]) != {SILENCE}]
@@ -192,8 +197,36 @@ def is_pause(label: str) -> bool:
     return PAUSE_LABEL.fullmatch(label) is not None
 
 
-def _without_gaps(source: TimingFile, rows: Iterable[LabelRow]) -> list[LabelRow]:
-    """Fill gaps with silence and close those due to rounding; raise an error for overlaps."""
+class Overlaps:
+    """The overlaps of neighbours in a file that are parted in the middle, for a remark."""
+
+    def __init__(self, source: TimingFile) -> None:
+        self.source = source
+        self.found: list[tuple[float, LabelRow]] = []
+
+    def parts(self, row: LabelRow, before: LabelRow) -> bool:
+        """Return True, and keep the overlap, if the middle leaves both rows most of their time."""
+        by = before.end - row.start
+        parted = by <= OVERLAP_SECONDS and by < min(row.end - row.start, before.end - before.start)
+        if parted:
+            self.found.append((by, row))
+        return parted
+
+    def remarks(self) -> Iterator[str]:
+        """Yield a remark, if there is an overlap."""
+        if self.found:
+            by, row = max(self.found, key=itemgetter(0))
+            often = count(len(self.found), "time")
+            yield (
+                f"{self.source.path}: neighbours overlap by up to {by:.3f} s ({often}, such as "
+                f"{_told(row)}); their boundary is put in the middle"
+            )
+
+
+def _without_gaps(
+    source: TimingFile, rows: Iterable[LabelRow], overlaps: Overlaps
+) -> list[LabelRow]:
+    """Fill gaps with silence and close those due to rounding; raise an error for long overlaps."""
     filled: list[LabelRow] = []
     end = 0.0
     for stated in rows:
@@ -201,6 +234,8 @@ def _without_gaps(source: TimingFile, rows: Iterable[LabelRow]) -> list[LabelRow
         middle = (row.start + end) / 2
         # a program that rounds each time by itself: both neighbours give half
         rounded = SNAP_SECONDS < abs(row.start - end) <= ROUNDING_SECONDS
+        if not rounded and filled and row.start < end - SNAP_SECONDS:
+            rounded = overlaps.parts(row, filled[-1])
         if filled and rounded and filled[-1].start < middle:
             filled[-1] = filled[-1]._replace(end=middle)
             row, end = row._replace(start=middle), middle

@@ -30,6 +30,9 @@ CONFIDENCE_TIER = "confidence"
 ALIGNED_TIER_NAME = re.compile(r"(phon|tokens)align", re.IGNORECASE)
 """Names of aligned tiers, beside which SPPAS keeps tiers of the text's phones and words."""
 
+WORD_CLASS = re.compile(r"[A-Z]{1,6}\$?\d?", re.ASCII)
+"""Tag of a part of speech, such as NNS or VERB, which tools write into a second line of a label."""
+
 PROBABILITY = re.compile(r"0(\.\d+)?|1(\.0*)?", re.ASCII)
 
 MAX_NAMES = 4
@@ -120,17 +123,18 @@ def read_tiers(
     alike = "hold words" if all(tier.holds_words() for tier in found) else "look like phones"
     chosen = only(source, found, f"tiers {alike}")
     if chosen.holds_words():
-        return timed_words_of(source, chosen.rows, guess=guess, remarks=remarks)
+        rows, tagged = _without_classes(source, chosen.rows)
+        return timed_words_of(source, rows, guess=guess, remarks=[*remarks, *tagged])
     own = [tier for tier in tiers if tier.speaker == chosen.speaker]
     words = _sure([tier for tier in own if WORD_TIER_NAME.fullmatch(tier.role)])
     told = [] if chosen.spoken else [f"{source.path}: tier '{chosen.name}' has no labels"]
-    spans = words[0].rows if len(words) == 1 else ()
+    spans, tagged = _without_classes(source, words[0].rows if len(words) == 1 else ())
     sure = [tier for tier in own if tier.role == CONFIDENCE_TIER]
     used = (chosen, *(words if spans else ()), *sure)
     others = [tier for tier in tiers if tier.spoken and all(tier is not one for one in used)]
     if others and source.tier is None:
         told.append(f"{source.path}: skipped tiers: {_list(others)}")
-    told += remarks
+    told += [*remarks, *tagged]
     schedule = schedule_of(source, chosen.rows, words=spans, guess=guess, remarks=told)
     if not sure:
         return schedule
@@ -141,6 +145,22 @@ def read_tiers(
         stated = float(label) if PROBABILITY.fullmatch(label) else None
         rated.append(replace(word, confidence=stated))
     return replace(schedule, words=tuple(rated))
+
+
+def _without_classes(
+    source: TimingFile, rows: Sequence[LabelRow]
+) -> tuple[Sequence[LabelRow], list[str]]:
+    """Return words without the parts of speech below them, and a remark if there are any."""
+    lines = [row.label.split("\n") for row in rows]
+    several = [one for one in lines if len(one) > 1]
+    below = [line.strip() for _, *rest in several for line in rest]
+    if not below or not all(map(WORD_CLASS.fullmatch, below)):
+        return rows, []
+    if all(first.isupper() for first, *_ in several):  # a line of capitals goes on below
+        return rows, []
+    kept = [row._replace(label=first) for row, (first, *_) in zip(rows, lines, strict=True)]
+    what = f"parts of speech below the words, such as {below[0]}, are not spoken"
+    return kept, [f"{source.path}: {what}"]
 
 
 def only(source: TimingFile, tiers: Sequence[Tier], what: str) -> Tier:

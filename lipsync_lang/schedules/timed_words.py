@@ -14,6 +14,7 @@ from unicodedata import category
 from lipsync_lang.schedules.rows import (
     ROUNDING_SECONDS,
     LabelRow,
+    Overlaps,
     check_span,
     guessed_rate,
     is_pause,
@@ -110,7 +111,7 @@ def timed_words_of(
     """Make timed words of the words of a file, in any order, without marks of silence.
 
     A word without length shares the time of its neighbour, as recognisers give such times to short
-    words. Neighbours that overlap by no more than `ROUNDING_SECONDS` meet in the middle. Raises
+    words. Neighbours that overlap by no more than `OVERLAP_SECONDS` meet in the middle. Raises
     ScheduleError if no word is left; or a time is below zero, runs backwards or overlaps another.
     The `rate` of the source, if given, overrides that of the format: units per second of all times,
     None for seconds. `guess` guesses the unit of a format that does not state one, and adds a
@@ -132,11 +133,12 @@ def timed_words_of(
         told += guessed
     if rate is not None:
         found = [row._replace(start=row.start / rate, end=row.end / rate) for row in found]
-    timed = (
+    overlaps = Overlaps(source)
+    timed = [
         TimedWord(row.label, row.start, row.end, row.confidence, row.line)
-        for row in _parted(source, found)
-    )
-    return TimedWords(tuple(timed), str(source.path), told)
+        for row in _parted(source, found, overlaps)
+    ]
+    return TimedWords(tuple(timed), str(source.path), (*told, *overlaps.remarks()))
 
 
 def _without_tags(words: list[LabelRow]) -> list[LabelRow]:
@@ -150,7 +152,7 @@ def _without_tags(words: list[LabelRow]) -> list[LabelRow]:
     return [row._replace(label=label) for row, label in zip(words, labels, strict=True)]
 
 
-def _parted(source: TimingFile, words: list[LabelRow]) -> list[LabelRow]:
+def _parted(source: TimingFile, words: list[LabelRow], overlaps: Overlaps) -> list[LabelRow]:
     """Close overlaps due to rounding, and merge words without length with a neighbour."""
     parted: list[LabelRow] = []
     texts: list[list[str]] = []
@@ -159,7 +161,8 @@ def _parted(source: TimingFile, words: list[LabelRow]) -> list[LabelRow]:
         before = parted[-1] if parted else None
         start = max(word.start, 0.0)
         if before is not None and start < before.end:
-            if start < before.end - ROUNDING_SECONDS and word.end > word.start:
+            longer = start < before.end - ROUNDING_SECONDS and word.end > word.start
+            if longer and not overlaps.parts(word, before):
                 raise overlap(source, word, before)
             start = max((start + before.end) / 2, before.start)
             if word.end > start > before.start:

@@ -332,6 +332,25 @@ def test_a_damaged_file_is_read_or_refused_in_words(text, at, length, instead):
         assert schedule.start == 0
 
 
+@pytest.mark.parametrize(
+    ("labels", "said", "told"),
+    [
+        (("maps\nNNS", "fall\nVBP"), ["maps", "fall"], "such as NNS, are not spoken"),
+        (("STOP\nNOW", "GO\nAWAY"), ["STOP NOW", "GO AWAY"], ""),
+        (("maps\nof it", "fall\nVBP"), ["maps of it", "fall VBP"], ""),
+    ],
+)
+def test_a_second_line_of_a_label_may_be_a_part_of_speech(tmp_path, labels, said, told):
+    rows = "".join(f'{at / 2} {(at + 1) / 2} "{label}" ' for at, label in enumerate(labels))
+    head = 'File type = "ooTextFile"\nObject class = "TextGrid"\n0 1 <exists> 1\n'
+    path = tmp_path / "line.TextGrid"
+    path.write_text(f'{head}"IntervalTier" "words" 0 1 {len(labels)} {rows}')
+    timed = read_timings(path)
+    assert [word.text for word in timed.words] == said
+    assert any("parts of speech" in one for one in timed.remarks) == bool(told)
+    assert told in "".join(timed.remarks)
+
+
 def test_a_file_is_known_by_its_suffix_in_any_case(tmp_path):
     path = tmp_path / "line.textgrid"
     path.write_text(long_form(TIERS), "utf-8")

@@ -80,7 +80,7 @@ def test_what_is_wrong_with_a_ctm_is_told_with_its_line():
     assert refusal(text + "a 1 0.1 1.2.3 M", "line.ctm").startswith(
         "line.ctm:2: '1.2.3' is not a t"
     )
-    assert refusal(text + "a 1 0.05 0.1 M", "line.ctm").startswith("line.ctm:2: 'M', 0.05 to 0.15")
+    assert refusal(text + "a 1 0.02 0.1 M", "line.ctm").startswith("line.ctm:2: 'M', 0.02 to 0.12")
 
 
 # JSON of tiers

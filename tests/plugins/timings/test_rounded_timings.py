@@ -32,10 +32,25 @@ def test_neighbours_that_overlap_or_part_by_10_ms_meet_in_the_middle():
     np.testing.assert_allclose(schedule.times, [0, 0.095, 0.205, 0.31])
     gap = read(ctm(("0.10", "0.10", "HH"), ("0.22", "0.10", "AY")), "a.ctm")
     assert gap.labels == (SILENCE, "HH", SILENCE, "AY")
-    with pytest.raises(ScheduleError, match=r"a\.ctm:2: 'AY', 0.18 to 0.28 s, starts before 'HH'"):
-        read(ctm(("0.10", "0.10", "HH"), ("0.18", "0.10", "AY")), "a.ctm")
+    with pytest.raises(ScheduleError, match=r"a\.ctm:2: 'AY', 0.14 to 0.24 s, starts before 'HH'"):
+        read(ctm(("0.10", "0.10", "HH"), ("0.14", "0.10", "AY")), "a.ctm")
     short = ctm(("0.10", "0.01", "HH"), ("0.10", "0.01", "AY"))
     np.testing.assert_allclose(read(short, "a.ctm").times, [0, 0.1, 0.105, 0.11])
+
+
+def test_neighbours_that_overlap_by_more_meet_there_with_a_remark():
+    schedule = read(
+        ctm(("0.10", "0.10", "HH"), ("0.18", "0.10", "AY"), ("0.27", "0.1", "M")), "a.ctm"
+    )
+    np.testing.assert_allclose(schedule.times, [0, 0.1, 0.19, 0.275, 0.37])
+    assert schedule.remarks[0].startswith(
+        "a.ctm: neighbours overlap by up to 0.020 s (1 time, such as 'AY', 0.18 to 0.28 s); their"
+    )
+    timed = read("word,start,end\nmy,0.1,0.30\nmaps,0.28,0.7\n", "a.csv")
+    assert timed.words[0].end == timed.words[1].start == pytest.approx(0.29)
+    assert "overlap by up to 0.020 s (1 time, such as 'maps', 0.28 to 0.7 s)" in timed.remarks[0]
+    with pytest.raises(ScheduleError, match="they overlap"):  # more than one of them lasts
+        read(ctm(("0.10", "0.03", "HH"), ("0.10", "0.20", "AY")), "a.ctm")
 
 
 def test_times_in_quotes_are_times():
