@@ -3,8 +3,9 @@
 A picture shows the mouths: each sound alone, on the model of a character.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from io import BytesIO
 from itertools import chain
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -13,7 +14,7 @@ import numpy as np
 
 from lipsync_lang.authoring.sound_table import SoundTable
 from lipsync_lang.authoring.trial import doubts, try_out
-from lipsync_lang.base.errors import OutputError
+from lipsync_lang.base.errors import OutputError, did_you_mean
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.finding import IPA
@@ -141,17 +142,46 @@ def mouths_of(library: Library, language: str, character: str) -> dict[str, str]
     return told
 
 
-def draw_mouths(performer: Performer, sounds: Mapping[str, Any], out: BinaryIO) -> None:
-    """Draw a PNG with a still of each mouth, with the first sound that has it and a word.
+def mouths_to_draw(sounds: Mapping[str, Any], named: Sequence[str] = ()) -> list[Mapping[str, Any]]:
+    """Return a row of the table of sounds for each mouth: those of named sounds, or all.
 
-    Sounds that pass through several mouths are left out, because each of these has a still. Raises
-    OutputError if Pillow is missing, the character has no model, or the language has no sounds.
+    A name is a label of any notation of the language, in any case, or a common phoneme. Sounds that
+    pass through several mouths are left out unless they are named, because each of these has a row.
+
+    Raises
+    ------
+    OutputError
+        The language has no sounds, or none of this name.
     """
-    from lipsync_lang.render.sheet import moments
+    mouths = mouths_in(sounds)
+    if not named:
+        shown = [own[0] for mouth, own in mouths.items() if len(mouth) == 1]
+        if not shown:
+            raise OutputError("the language maps no sounds; there is no mouth to draw")
+        return shown
+    known = {row["label"].casefold(): row["to"] for row in reversed(sounds["rows"])}
+    known |= {mouth[0]: mouth for mouth in mouths if len(mouth) == 1 and mouth[0] not in known}
+    found = []
+    for name in named:
+        mouth = tuple(known.get(name.casefold(), ()))
+        if mouth not in mouths:
+            raise OutputError(
+                f"{sounds['name']} has no sound '{name}'; {did_you_mean(name, known)}"
+            )
+        rows = mouths[mouth]
+        found.append(next((row for row in rows if row["label"] == name), rows[0]))
+    return found
 
-    shown = [own[0] for mouth, own in mouths_in(sounds).items() if len(mouth) == 1]
-    if not shown:
-        raise OutputError("the language maps no sounds; there is no mouth to draw")
+
+def draw_mouths(
+    performers: Sequence[Performer], shown: Sequence[Mapping[str, Any]], out: BinaryIO
+) -> None:
+    """Draw a PNG with a still of each sound and a word, for each performer beside the others.
+
+    Raises OutputError if Pillow is missing, or a character has no model.
+    """
+    from lipsync_lang.render.sheet import moments, side_by_side
+
     labels = [SILENCE, *chain.from_iterable((row["label"], SILENCE) for row in shown)]
     times = np.arange(len(labels) + 1, dtype=np.float64) * HELD_SOUND_SECONDS
     words = tuple(
@@ -159,6 +189,14 @@ def draw_mouths(performer: Performer, sounds: Mapping[str, Any], out: BinaryIO) 
         for n, row in enumerate(shown)
     )
     schedule = Schedule(tuple(labels), times, words, notation=shown[0]["notation"])
-    animation = performer.rigged(performer.perform(schedule))
     middles = (times[1:-1:2] + times[2::2]) / 2
-    moments(animation, middles.tolist(), out, close=True)
+    sheets = {}
+    for performer in performers:
+        sheet = BytesIO()
+        animation = performer.rigged(performer.perform(schedule))
+        moments(animation, middles.tolist(), sheet, close=True)
+        sheets[performer.character] = sheet.getvalue()
+    if len(sheets) == 1:
+        out.write(*sheets.values())
+    else:
+        side_by_side(sheets, out)

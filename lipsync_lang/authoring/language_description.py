@@ -51,6 +51,7 @@ def describe(library: Library, pack: Pack[models.Language]) -> dict[str, Any]:
             ]
             for number, (name, table) in enumerate(model.notations.items())
         },
+        "mouths": _mouths(model, library.common().model),
         "inventory": model.inventory.model_dump(mode="json") if model.inventory else None,
         "disagreements": [
             {
@@ -67,6 +68,17 @@ def describe(library: Library, pack: Pack[models.Language]) -> dict[str, Any]:
             "refusal": trial.refusal,
             "untested": _untested(trial, common),
         },
+    }
+
+
+def _mouths(model: models.Language, common: models.Phonemes) -> dict[str, list[dict[str, float]]]:
+    """Return the mouth of each common phoneme that the language uses, in measures."""
+    used = {name for table in model.notations.values() for one in table.values() for name in one.to}
+    stated = {**common.phonemes, **common.shades, **{n: a for n, a in model.adds.items() if a}}
+    return {
+        name: [mouth.model_dump(exclude_none=True) for mouth in sound.mouth]
+        for name, sound in stated.items()
+        if name in used and sound.mouth
     }
 
 

@@ -3,6 +3,7 @@
 Input is the plain data of the JSON output; output is one string with line breaks.
 """
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from lipsync_lang.base.presentation.text_table import columns
@@ -58,6 +59,7 @@ def language_table(told: dict[str, Any]) -> str:
             groups.setdefault(row["common"], []).append(row["label"])
         for common, labels in sorted(groups.items(), key=lambda group: " " in group[0]):
             lines.append(f"  {common or '(mute)':<10}{'  '.join(labels)}")
+    lines += _mouth_table(told["mouths"])
     inventory = told["inventory"]
     if inventory:
         lines.append(f"\ninventory: {len(inventory['segments'])} phonemes, {inventory['source']}")
@@ -79,3 +81,14 @@ def language_table(told: dict[str, Any]) -> str:
     untested = tests["untested"].items()
     lines += [f"  untested {what}: {' '.join(which)}" for what, which in untested if which]
     return "\n".join(lines)
+
+
+def _mouth_table(mouths: Mapping[str, Sequence[Mapping[str, float]]]) -> list[str]:
+    """Return lines with the measures of each common phoneme; steps of a moving one have arrows."""
+    measures = [*dict.fromkeys(name for steps in mouths.values() for one in steps for name in one)]
+    rows = [("common", *measures)]
+    for phoneme, steps in mouths.items():
+        own = ([f"{one[name]:g}" for one in steps if name in one] for name in measures)
+        rows.append((phoneme, *(" -> ".join(cell) or "-" for cell in own)))
+    title = "\nmouths on a model, in widths of the closed mouth:"
+    return [title, *(f"  {line}" for line in columns(rows))] if mouths else []

@@ -11,7 +11,7 @@ from lipsync_lang.base.errors import LipsyncError, count
 from lipsync_lang.base.files import argument_path, write_all
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of, tell_written, working
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_path, flag, option
+from lipsync_lang.commands.shared_options import add_json, add_path, flag, option, repeated
 
 if TYPE_CHECKING:
     from lipsync_lang.authoring.new_pack import PackDraft
@@ -33,6 +33,11 @@ def _add_languages(add: Add) -> None:
         check, "--picture FILE", "draw the mouths of the character on its model, as PNG",
         type=argument_path,
     )  # fmt: skip
+    option(
+        check, "--sounds LABELS",
+        "draw only these sounds: labels or common phonemes, separated by commas",
+    )  # fmt: skip
+    repeated(check, "--beside CHARACTER", "draw this character beside it; may be repeated")
     new = made.add_argument_group("sources of a new language")
     option(new, "--voice VOICE", "an eSpeak NG voice, such as sw")
     option(new, "--epitran CODE", "an Epitran code, such as xho-Latn")
@@ -111,7 +116,7 @@ def packs(options: Namespace) -> int:
     if options.action == "check":
         return _check_language(library, options)
     # `vars`, since only some kinds of packs have these options.
-    if vars(options).get("picture"):
+    if any(vars(options).get(one) for one in ("picture", "sounds", "beside")):
         raise LipsyncError(f"{options.action} draws no picture; languages check NAME does")
     if vars(options).get("poses"):
         raise LipsyncError(f"{options.action} takes no poses; only `posesets new` does")
@@ -197,7 +202,7 @@ def _new_character(library: "Library", options: Namespace) -> "PackDraft":
 
 def _check_language(library: "Library", options: Namespace) -> int:
     """Print the faults, the mouths and the tests of a language pack."""
-    from lipsync_lang.authoring.language_check import check_language, draw_mouths
+    from lipsync_lang.authoring.language_check import check_language, draw_mouths, mouths_to_draw
     from lipsync_lang.packs.finding import located
     from lipsync_lang.packs.library import Library
     from lipsync_lang.performing.resolving import resolve
@@ -206,6 +211,8 @@ def _check_language(library: "Library", options: Namespace) -> int:
         raise LipsyncError("name the language or its file: languages check languages/NAME.yaml")
     if options.picture is not None and options.character is None:
         raise LipsyncError("--picture draws a character; name one with -c CHARACTER")
+    if options.picture is None and (options.sounds or options.beside):
+        raise LipsyncError("--sounds and --beside are for pictures; name one with --picture FILE")
     (name,), folders = located(options.path, language=options.name)
     library = Library(folders)
     with working(f"checking {name}"):
@@ -213,8 +220,12 @@ def _check_language(library: "Library", options: Namespace) -> int:
     if found.sounds is not None and options.picture is not None:
         sounds, paths = found.sounds, options.path
         # A draft of a language lacks bigrams, and its mouths are of single sounds.
-        performer = resolve(options.name, options.character, paths=paths, gaps="rest")
-        write_all({options.picture: lambda out: draw_mouths(performer, sounds, out)})
+        shown = mouths_to_draw(sounds, options.sounds.split(",") if options.sounds else ())
+        performers = [
+            resolve(options.name, one, paths=paths, gaps="rest")
+            for one in dict.fromkeys((options.character, *options.beside))
+        ]
+        write_all({options.picture: lambda out: draw_mouths(performers, shown, out)})
         tell_written(options.picture)
     print(as_json(found.to_dict()) if options.json else found)
     faults = sum(fault.severity == "fault" for fault in found.faults)

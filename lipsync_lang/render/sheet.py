@@ -1,8 +1,9 @@
 """Contact sheet: stills of the most different faces of a line, each with its word and time."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import cache
+from io import BytesIO
 from pathlib import Path
 from textwrap import shorten
 from typing import Any, BinaryIO
@@ -68,6 +69,21 @@ def moments(
     camera = close_up(swept) if close else framed(swept)
     stills = [_still(animation.schedule, one) for one in seconds]
     _paste(stills, Artist(scene, CELL, camera, swept), scene.sound, out)
+
+
+def side_by_side(sheets: Mapping[str, bytes], out: BinaryIO) -> None:
+    """Write PNG sheets beside each other, each under its name."""
+    image = pillow()
+    from PIL import ImageDraw
+
+    opened = [image.open(BytesIO(sheet)) for sheet in sheets.values()]
+    size = sum(one.width for one in opened), max(one.height for one in opened) + FOOT
+    page, left = image.new("RGB", size, PAPER), 0
+    for name, one in zip(sheets, opened, strict=True):
+        _write(ImageDraw.Draw(page), (left + EDGE, EDGE), _plain(name, 60), 28, INK)
+        page.paste(one, (left, FOOT))
+        left += one.width
+    page.save(out, "PNG", optimize=True)
 
 
 def _still(schedule: Schedule, seconds: float) -> Still:

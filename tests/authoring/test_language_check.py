@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from lanes import full, swept
+from places import ROOT
 from shipped import LANGUAGES, LIBRARY
 
 from lipsync_lang.authoring import language_check
@@ -19,6 +20,7 @@ from lipsync_lang.authoring.language_check import (
     draw_mouths,
     mouths_in,
     mouths_of,
+    mouths_to_draw,
 )
 from lipsync_lang.base.errors import LipsyncError, OutputError
 from lipsync_lang.performing.resolving import resolve
@@ -182,7 +184,7 @@ def test_each_still_shows_its_own_mouth(monkeypatch):
 
     monkeypatch.setattr("lipsync_lang.render.sheet.moments", moments)
     sounds = english_sounds()
-    draw_mouths(resolve("english", "facefx"), sounds, BytesIO())
+    draw_mouths([resolve("english", "facefx")], mouths_to_draw(sounds), BytesIO())
     ((schedule, seconds, options),) = drawn
     assert options == {"close": True}
     alone = [own[0] for mouth, own in mouths_in(sounds).items() if len(mouth) == 1]
@@ -196,7 +198,15 @@ def test_each_still_shows_its_own_mouth(monkeypatch):
 def test_a_language_without_sounds_has_no_picture():
     sounds = english_sounds()
     with pytest.raises(OutputError, match="maps no sounds"):
-        draw_mouths(resolve("english", "facefx"), {**sounds, "rows": []}, BytesIO())
+        mouths_to_draw({**sounds, "rows": []})
+
+
+def test_named_sounds_are_drawn_in_their_order():
+    shown = mouths_to_draw(english_sounds(), ["k", "UW", "th", "aa", "uː"])
+    assert [row["to"] for row in shown] == [["kg"], ["w"], ["th"], ["aa"], ["w"]]
+    assert shown[-1]["label"] == "uː"
+    with pytest.raises(OutputError, match="english has no sound 'thh'; did you mean 'th'"):
+        mouths_to_draw(english_sounds(), ["aa", "thh"])
 
 
 @full
@@ -212,6 +222,22 @@ def test_the_mouths_are_drawn(cli, monkeypatch):
     assert 2 * 320 < height < 3 * 400, "four stills a row"
 
 
+@full
+def test_characters_are_drawn_side_by_side(cli):
+    from PIL import Image
+
+    head = ROOT / "posesets" / "crab" / "model.glb"
+    sizes = {}
+    for name, more in (("one", ()), ("two", ("--beside", "crab", "--beside", head))):
+        options = ("-c", "facefx", "--sounds", "aa,m", "--picture", f"{name}.png", *more)
+        ended = cli("languages", "check", "stage-english", *options)
+        assert ended.code == 0, ended.err
+        with Image.open(f"{name}.png") as picture:
+            sizes[name] = picture.size
+    assert sizes["two"][0] == 3 * sizes["one"][0]
+    assert sizes["one"][1] < sizes["two"][1] < sizes["one"][1] + 100, "names stand above"
+
+
 def english_sounds():
     return check_language(LIBRARY, LIBRARY.find("language", "english")).sounds
 
@@ -224,6 +250,8 @@ def english_sounds():
         (("languages/none.yaml",), "no such file"),
         (("stage-english", "-c", "facef"), "did you mean 'facefx'?"),
         (("stage-english", "-c", "arkit", "--picture", "m.png"), "model"),
+        (("stage-english", "-c", "facefx", "--sounds", "aa"), "name one with --picture FILE"),
+        (("stage-english", "-c", "facefx", "--beside", "crab"), "name one with --picture FILE"),
     ],
 )
 def test_misuse_is_told_and_nothing_is_written(arguments, said, cli):
