@@ -4,6 +4,7 @@ If any entry of a file has a translation, the lines are the translations, and a 
 entries left out; else they are the originals. A note may name the speaker, as in ``Speaker: Bob``.
 """
 
+import re
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
@@ -41,15 +42,20 @@ def entry_lines(source: LineFile, entries: Iterable[ScriptEntry]) -> Iterator[Li
         if not text.strip() or (translated and not one.ready):
             left += 1
             continue
-        notes = (row[:MAX_COMMENT_CHARS] for note in one.notes for row in note.split("\n"))
-        named = next(filter(None, map(speaks.search, notes)), None) if one.notes else None
-        speaker = one.speaker or (named["speaker"].strip() if named else "")
+        speaker = one.speaker or (_named(one.notes, speaks) if one.notes else "")
         for form, said in every_form(text, source.cleaning.values):
             name = f"{one.name}-{form}" if one.name and form else one.name
             yield source.line(one.number, said, name=name, speaker=speaker, original=one.original)
     if left:
         what = count(left, "empty or untranslated entry", "empty or untranslated entries")
         source.remark(f"{source.path}: left out {what}")
+
+
+def _named(notes: Iterable[str], speaks: re.Pattern[str]) -> str:
+    """Return the speaker that the first note with one names."""
+    rows = (row[:MAX_COMMENT_CHARS] for note in notes for row in note.split("\n"))
+    found = next(filter(None, map(speaks.search, rows)), None)
+    return found["speaker"].strip() if found else ""
 
 
 def whole_file(source: LineFile) -> TimingFile:

@@ -11,7 +11,7 @@ definitions of entities before any is expanded. Files of others are never opened
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cache, partial
+from functools import cache
 from typing import Any
 from xml.parsers import expat
 
@@ -96,18 +96,15 @@ class _Element:
     tag: str
     attributes: dict[str, str]
     parts: list["str | _Element"] = field(default_factory=list)
+    inner: dict[str, list["_Element"]] = field(default_factory=dict)
+    """The elements among the parts, by their names."""
 
     def at(self, names: Sequence[str]) -> list["_Element"]:
         """Return the elements at a path."""
-        found = [self]
-        for name in names:
-            found = [
-                one
-                for node in found
-                for one in node.parts
-                if isinstance(one, _Element) and one.tag == name
-            ]
-        return found
+        if not names:
+            return [self]
+        found = self.inner.get(names[0], [])
+        return found if len(names) == 1 else [one for node in found for one in node.at(names[1:])]
 
     def first(self, paths: str) -> list["_Element"]:
         """Return the elements at the first path that leads to some."""
@@ -172,16 +169,17 @@ class _Parsing:
     line: int = 1
     asked: dict[str, bool] = field(default_factory=dict)
     """The languages of the file, with True for the one that is read."""
+    parser: expat.XMLParserType = field(init=False)
 
     def entries(self, text: str) -> Iterator[ScriptEntry]:
         """Yield the entries of a file in the language that is read, or in all if it has none."""
-        parser = expat.ParserCreate("utf-8")
+        parser = self.parser = expat.ParserCreate("utf-8")
         parser.buffer_text = True
-        parser.StartElementHandler = partial(self.start, parser)
+        parser.StartElementHandler = self.start
         parser.EndElementHandler = self.end
         parser.CharacterDataHandler = self.characters
-        parser.StartDoctypeDeclHandler = partial(self.doctype, parser)
-        parser.SkippedEntityHandler = partial(self.entity, parser)
+        parser.StartDoctypeDeclHandler = self.doctype
+        parser.SkippedEntityHandler = self.entity
         try:
             parser.Parse(text.encode("utf-8", "replace"), True)  # noqa: FBT003
         except expat.ExpatError as error:
@@ -206,19 +204,20 @@ class _Parsing:
             self.asked[language] = language_column(["", language], self.source.names) > 0
         return self.asked[language]
 
-    def start(self, parser: expat.XMLParserType, tag: str, attributes: dict[str, str]) -> None:
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
         """Enter an element."""
         self.depth += 1
         if self.depth > MAX_XML_DEPTH:
             what = f"is nested deeper than {MAX_XML_DEPTH} elements; check what wrote it"
-            raise self.source.fault(parser.CurrentLineNumber, what)
-        tag = tag.rpartition(":")[2]
+            raise self.source.fault(self.parser.CurrentLineNumber, what)
+        tag = tag[tag.find(":") + 1 :]
         if self.open:
-            node = _Element(tag, attributes)
-            self.open[-1].parts.append(node)
+            node, around = _Element(tag, attributes), self.open[-1]
+            around.parts.append(node)
+            around.inner.setdefault(tag, []).append(node)
             self.open.append(node)
         elif tag in self.script.entries.split("|"):
-            self.line = parser.CurrentLineNumber
+            self.line = self.parser.CurrentLineNumber
             self.open.append(_Element(tag, attributes))
         elif attributes:
             _, *before = self.languages[-1]
@@ -245,18 +244,18 @@ class _Parsing:
         if self.open:
             self.open[-1].parts.append(text)
 
-    def doctype(self, parser: expat.XMLParserType, *stated: Any) -> None:
+    def doctype(self, *stated: Any) -> None:
         """Refuse a document type that defines something; a mere name of one is read."""
         if stated[-1]:
-            raise self.refusal(parser, "has a DOCTYPE with definitions, which are never read")
+            raise self.refusal("has a DOCTYPE with definitions, which are never read")
 
-    def entity(self, parser: expat.XMLParserType, name: str, _: bool) -> None:  # noqa: FBT001
+    def entity(self, name: str, _: bool) -> None:  # noqa: FBT001
         """Refuse an entity that another file would define."""
-        raise self.refusal(parser, f"has the entity '&{name};', whose definition is never read")
+        raise self.refusal(f"has the entity '&{name};', whose definition is never read")
 
-    def refusal(self, parser: expat.XMLParserType, what: str) -> LipsyncError:
+    def refusal(self, what: str) -> LipsyncError:
         """Return an error at the place of the parser."""
-        return self.source.fault(parser.CurrentLineNumber, f"{what}; write its text instead")
+        return self.source.fault(self.parser.CurrentLineNumber, f"{what}; write its text instead")
 
     def keep(self, node: _Element) -> None:
         """Keep the texts of an entry."""
