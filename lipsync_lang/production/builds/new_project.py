@@ -26,7 +26,13 @@ from lipsync_lang.text.lines.columns import (
     stated_column,
     text_column,
 )
-from lipsync_lang.text.lines.line_readers import LineFile, by_suffix, line_files, read_lines
+from lipsync_lang.text.lines.line_readers import (
+    LineFile,
+    by_suffix,
+    is_timed,
+    line_files,
+    read_lines,
+)
 from lipsync_lang.text.lines.markup import spoken
 from lipsync_lang.text.lines.table import cell
 
@@ -210,7 +216,8 @@ def read_cells(table: Path, encoding: str | None = None) -> Cells:
         raise LipsyncError(f"{table}: has no script; name a folder with {', '.join(by_suffix())}")
     file = found[0]
     opened = by_suffix()[file.suffix.lower()].table if len(found) == 1 else None
-    if opened is None:
+    source = LineFile(file, lambda _: None, encoding=encoding)
+    if opened is None or is_timed(source):
         lines = [
             *islice(read_lines(table, encoding=encoding, remark=lambda _: None), MAX_TABLE_ROWS)
         ]
@@ -218,7 +225,7 @@ def read_cells(table: Path, encoding: str | None = None) -> Cells:
         both = any(one.original and spoken(one.original).text != one.text for one in lines)
         head = [NAME_COLUMNS[0], SPEAKER_COLUMNS[0]]
         return Cells(head, [names, speakers], table=False, bilingual=both)
-    head, rows = opened(LineFile(file, lambda _: None, encoding=encoding).at(file))
+    head, rows = opened(source.at(file))
     taken = [row for _, row in islice(rows, MAX_TABLE_ROWS)]
     return Cells(head, [[cell(row, at) for row in taken] for at in range(len(head))])
 
