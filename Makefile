@@ -136,8 +136,8 @@ languages: $(VENV)/ready ## print how every language reads: make languages TEXTS
 dictionaries: $(VENV)/ready ## count readings that differ from dictionaries: make dictionaries DICTIONARIES=folder
 	$(BIN)/python benchmarks/dictionaries.py $(DICTIONARIES)
 
-figures: $(VENV)/ready ## measure "How good is it?" again: make figures DATA=folder DICTIONARIES=folder
-	$(BIN)/python docs/measure.py $(DATA) --dictionaries $(DICTIONARIES)
+figures: $(VENV)/ready ## measure "How good is it?" again: make figures DATA=folder DICTIONARIES=folder HEADS=folder
+	$(BIN)/python docs/measure.py $(DATA) --dictionaries $(DICTIONARIES) $(HEADS:%=--heads %)
 	$(BIN)/python docs/how_good.py
 
 paper: $(VENV)/ready ## make the paper's tables and figures again, into out/paper: make paper CLIPS=1 renders a study too

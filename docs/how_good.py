@@ -38,6 +38,9 @@ METHODS = (
     ("dominance, utterance", "dominance over the utterance"),
 )
 MEASURES = (("aperture", "aperture"), ("protrusion", "protrusion"), ("tongue_tip", "tongue tip"))
+MOST_APART = 4
+"""Number of phonemes that are named as farthest from film."""
+
 MOTIONS = (
     ("> 8 Hz %", "power above 8 Hz, %"),
     ("still %", "still while open, %"),
@@ -204,6 +207,46 @@ class Page:
                 f"*{self.here['about']}*",
             ]
         )
+
+    def mouths(self) -> str:
+        """Return how heads open and narrow on their meshes, beside film."""
+        found = self.figures("mouths")
+        rows = [
+            [
+                f"{row['head']}, {row['poseset']}" if "poseset" in row else f"**{row['head']}**",
+                *(f"{row[key]:.2f}" if key in row else "" for key in ("aperture r", "width r")),
+                f"{row['aperture 95 %']:.2f}",
+                f"{row['width 5 %']:+.2f} to {row['width 95 %']:+.2f}",
+                f"{row['aperture SD']:.3f} / {row['width SD']:.3f}",
+            ]
+            for row in found["rows"]
+        ]
+        head = [
+            "head, pose set",
+            "aperture r",
+            "width r",
+            "aperture, 95 %",
+            "width, 5 to 95 %",
+            "SD",
+        ]
+        apart = [
+            f"{name}: " + ", ".join(f"{sound} {more:+.2f}" for sound, more in self.apart(sounds))
+            for name, sounds in found["apertures"].items()
+        ]
+        return "\n\n".join(
+            [
+                table(head, rows),
+                f"Apertures at the middle of a sound that are farthest from film: {'; '.join(apart)}.",
+                measured_by(self.measured["mouths"])
+                + f" Filmed lips are {found['ahead']:.2f} s ahead of their sound, and are compared there.",
+            ]
+        )
+
+    @staticmethod
+    def apart(sounds: Mapping[str, Sequence[float]]) -> list[tuple[str, float]]:
+        """Return the phonemes whose apertures differ most, with our aperture less that of film."""
+        more = {name: ours - film for name, (ours, film) in sounds.items()}
+        return sorted(more.items(), key=lambda one: -abs(one[1]))[:MOST_APART]
 
     def motion(self) -> str:
         """Return how the jaw moves, beside captures."""

@@ -1,10 +1,11 @@
 """Measure what `docs/explanation/how-good-is-it.md` states, and keep the figures.
 
-    python docs/measure.py DATA [--dictionaries FOLDER] [--only PART ...]
+    python docs/measure.py DATA [--dictionaries FOLDER] [--heads FOLDER] [--only PART ...]
 
-DATA is a folder of foreign recordings and texts: `articulography`, `recordings`, `alignments` and
-`text`. Each part runs a benchmark by itself, and takes its place in `docs/measured.json`; the
-others stay as they are, with their dates. Parts whose data or benchmark is not there are named.
+DATA is a folder of foreign recordings and texts: `articulography`, `films`, `recordings`,
+`alignments` and `text`. Each part runs a benchmark by itself, and takes its place in
+`docs/measured.json`; the others stay as they are, with their dates. Parts whose data or benchmark
+is not there are named.
 All take some ten minutes. `python docs/how_good.py` then writes the page and its pictures.
 """
 
@@ -29,7 +30,7 @@ ROOT = Path(__file__).parents[1]
 MEASURED = ROOT / "docs" / "measured.json"
 SPEEDS = ROOT / "docs" / "reference" / "performance.md"
 ARCTIC = "He turned sharply and faced Gregson across the table"
-DATA, DICTIONARIES = "DATA", "DICTIONARIES"
+DATA, DICTIONARIES, HEADS = "DATA", "DICTIONARIES", "HEADS"
 """Placeholders for the folders in a recorded command."""
 
 
@@ -45,6 +46,11 @@ class Part:
 EMA = "three German sentences of electromagnetic articulography, EMU-webApp's demo data (MIT)"
 PARTS = {
     "articulation": Part("articulography.py", ["DATA/articulography"], EMA),
+    "mouths": Part(
+        "mouths.py",
+        ["DATA/films", "-c", "facefx", "-c", "HEADS/ict.glb"],
+        "twenty sentences of a GRID speaker (CC BY 4.0) that no mouth was learnt from",
+    ),
     "motion": Part(
         "motion.py",
         ["DATA/articulography", "-c", "facefx", "-c", "arkit", "--contacts"],
@@ -186,6 +192,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("data", type=Path)
     parser.add_argument("--dictionaries", type=Path, help="a folder of LANGUAGE.tsv")
+    parser.add_argument("--heads", type=Path, help="a folder with ict.glb, made by `heads ict`")
     parser.add_argument("--only", nargs="+", choices=[*PARTS, "speed"], default=[*PARTS, "speed"])
     options = parser.parse_args(argv)
     kept = json.loads(MEASURED.read_text("utf-8")) if MEASURED.exists() else {}
@@ -193,7 +200,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     for name in options.only:
         print(f"\n{name}", flush=True)  # noqa: T201
         try:
-            found = part_of(name, {DATA: options.data, DICTIONARIES: options.dictionaries})
+            folders = {DATA: options.data, DICTIONARIES: options.dictionaries, HEADS: options.heads}
+            found = part_of(name, folders)
         except subprocess.CalledProcessError as error:
             print(f"{name} fails: {error}", file=sys.stderr)  # noqa: T201
             failed = True
