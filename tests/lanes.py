@@ -8,6 +8,7 @@ programs that are not ours (pip, a browser, an engine). Of every sweep, some par
 
 import os
 from collections.abc import Iterable
+from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
@@ -26,6 +27,12 @@ needs_espeak = pytest.mark.skipif(
 needs_plug_ins = pytest.mark.skipif(
     find_spec("lipsync_lang.plugins") is None, reason="the wing of plug-ins was removed"
 )
+
+
+def of_plug_in(module: str, name: str) -> Any:
+    """Return what a module of the tests of plug-ins has; an empty dict if they were removed."""
+    return getattr(import_module(module), name) if find_spec("lipsync_lang.plugins") else {}
+
 
 settings.register_profile(
     "quick",

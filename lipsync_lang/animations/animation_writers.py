@@ -74,10 +74,14 @@ def binary_writer(
 
 
 @cache
-def template(file: str) -> list[str]:
-    """Read a template of `writers/templates`: its parts, which a line of ``=====`` separates."""
-    text = (Path(__file__).parent / "writers" / "templates" / file).read_text(encoding="utf-8")
-    return text.split("=====\n")
+def template(module: str) -> list[str]:
+    """Read the template of a writer: parts of the text beside its module, with ``=====`` between.
+
+    Parameters
+    ----------
+    module : the ``__file__`` of the writer; the text has its name and the suffix `.txt`
+    """
+    return Path(module).with_suffix(".txt").read_text(encoding="utf-8").split("=====\n")
 
 
 def find_writer(path: Path, name: str | None = None) -> Writer:

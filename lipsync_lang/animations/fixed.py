@@ -29,9 +29,9 @@ class FormatNames(NamedTuple):
 
 
 @cache
-def names(file: str) -> FormatNames:
-    """Read a name list from `names/`."""
-    text = (Path(__file__).parent / "writers" / "names" / file).read_text(encoding="utf-8")
+def names(file: Path) -> FormatNames:
+    """Read a list of names: shapes, and below a blank line turns of the head."""
+    text = file.read_text(encoding="utf-8")
     shapes, _, turns = text.partition("\n\n")
     return FormatNames(tuple(shapes.split()), tuple(turns.split()))
 
@@ -73,7 +73,7 @@ def _head(columns: Sequence[Channel], held: FormatNames) -> HeadTurn:
     return HeadTurn.of(columns if held.turns[: len(HEAD_ANGLES)] == HEAD_ANGLES else ())
 
 
-def doubts(animation: Animation, file: str, program: str) -> Iterator[str]:
+def doubts(animation: Animation, file: Path, program: str) -> Iterator[str]:
     """Yield warnings about omitted channels and a delayed sound, for a name list."""
     columns, held = animation.columns, names(file)
     found = {*placed(columns, held.shapes).shapes, *_head(columns, held).columns}

@@ -14,12 +14,8 @@ from glb_files import document_of, mesh, model_of, tracks
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from lanes import full
+from lanes import full, of_plug_in
 from take_files import READ_BACK as TAKES
-from test_avatar_files import READ_BACK as AVATARS
-from test_drawn_mouth_files import READ_BACK as HELD
-from test_engine_files import READ_BACK as ENGINES
-from test_godot import READ_BACK as GODOT
 from test_line_page import data_of
 from test_subtitle_files import READ_BACK as SUBTITLES
 from test_usd import READ_BACK as USD
@@ -203,10 +199,10 @@ READ_BACK = {
     "html": as_page,
     "json": as_json,
     "wav": as_wav,
-    **AVATARS,
-    **ENGINES,
-    **GODOT,
-    **HELD,
+    **of_plug_in("test_avatar_files", "READ_BACK"),
+    **of_plug_in("test_engine_files", "READ_BACK"),
+    **of_plug_in("test_godot", "READ_BACK"),
+    **of_plug_in("test_drawn_mouth_files", "READ_BACK"),
     **PICTURES,
     **SUBTITLES,
     **TAKES,

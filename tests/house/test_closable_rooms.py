@@ -12,7 +12,7 @@ from places import ROOT
 
 PLUG_INS = (
     *("capture", "cluster", "festival", "heads", "htk", "mfa"),
-    *("phonemizer", "scripts", "smartbody", "study", "timings", "whisper"),
+    *("phonemizer", "programs", "scripts", "smartbody", "study", "timings", "whisper"),
 )
 
 CLOSABLE = (*(f"plugins/{room}" for room in PLUG_INS), "faces/players")

@@ -52,7 +52,8 @@ ROOMS = {
     "production": ({"builds", "live"},),
     "plugins": (
         {"capture", "cluster", "heads", "study"},
-        {"festival", "htk", "mfa", "phonemizer", "scripts", "smartbody", "timings", "whisper"},
+        {"programs", "scripts", "timings"},
+        {"festival", "htk", "mfa", "phonemizer", "smartbody", "whisper"},
     ),
 }
 """Floors of rooms within a wing, from the ground up; "" is the modules beside the rooms."""
@@ -267,7 +268,6 @@ EXEMPT = {
     ("commands/*", "finnish"): "the examples of --help can be typed as they stand",
     ("*/azure.py", "azure"): "the program's format and its notation have one name",
     ("*/live2d.py", "live2d"): "the program's format and its pose set have one name",
-    ("*/vrma.py", "vrm"): "the file with the names of the format's expressions",
     ("commands/*", "vrm"): "the suffix of files in the format",
     ("*/papagayo.py", "preston-blair"): "the notation that the format is in",
     ("*/polly.py", "polly"): "the program's format and its notation have one name",

@@ -56,4 +56,4 @@ def write_usd(animation: Animation, out: TextIO) -> None:
     samples = zip(codes, table.tolist(), strict=True)
     rows = "".join(row % (code, *weights) for code, weights in samples)
     values = {"start": codes[0], "end": codes[-1], "rate": rate, "tokens": tokens, "samples": rows}
-    out.write(template("usd.txt")[0].format(**values))
+    out.write(template(__file__)[0].format(**values))

@@ -23,6 +23,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
+from pathlib import Path
 from time import localtime
 from typing import TYPE_CHECKING, Any, TextIO
 from uuid import NAMESPACE_DNS, uuid5
@@ -52,7 +53,7 @@ RECOVERED_SECONDS = 1.0
 
 VERSION = 6
 
-PACKET_SHAPES = "live-link-packet.txt"
+PACKET_SHAPES = Path(__file__).with_name("live-link-packet-names.txt")
 
 LIVE_LINK_PROGRAM = "Live Link Face"
 

@@ -9,8 +9,8 @@ from timing_texts import spoken
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import ExportSettings
-from lipsync_lang.animations.writers.moho import SWITCH_FPS
 from lipsync_lang.base.errors import ScheduleError
+from lipsync_lang.plugins.programs.moho import SWITCH_FPS
 from lipsync_lang.plugins.timings.moho import MOHO_FPS
 
 

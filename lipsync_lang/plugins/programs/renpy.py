@@ -10,9 +10,8 @@ import re
 from itertools import pairwise
 from typing import TextIO
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.held import NEUTRAL_DRAWING, held
+from lipsync_lang.animations.writers import Animation, writer
 
 RENPY_ESCAPES = str.maketrans(
     {"\\": r"\\", '"': r"\"", "\n": " ", "\r": " ", "[": "[[", "{": "{{", "%": "%%"}

@@ -21,10 +21,9 @@ from typing import TYPE_CHECKING, TextIO
 
 import numpy as np
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import shape_columns, shapes_from_zero
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
+from lipsync_lang.animations.writers import Animation, writer
 
 if TYPE_CHECKING:
     from lipsync_lang.base.arrays import Floats

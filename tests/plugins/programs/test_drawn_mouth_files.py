@@ -17,9 +17,9 @@ import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS, find_writer
 from lipsync_lang.animations.held import HOLD_SECONDS, REST_WEIGHT, held, strongest
-from lipsync_lang.animations.writers.moho import unstated_rate, write_moho
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.faces.rigs.channel import Channel
+from lipsync_lang.plugins.programs.moho import unstated_rate, write_moho
 
 RHUBARB = ("rhubarb-tsv", "rhubarb-xml", "rhubarb-json")
 every_form = pytest.mark.parametrize("name", RHUBARB)

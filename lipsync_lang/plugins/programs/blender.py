@@ -1,7 +1,7 @@
 """A Blender script that sets keyframes on the shape keys of a face.
 
 Blender cannot import curve files but runs Python. The script holds the keyframes as JSON, followed
-by the code from `templates/blender.txt`. It applies them to all meshes with matching shape keys;
+by the code from `blender.txt`. It applies them to all meshes with matching shape keys;
 known alternative spellings match too. Curves are linear between keys, or Bezier curves with `keys`:
 handles a third of the way to the next key make them cubic in time. The sound starts at frame 1
 plus the offset; movement before the sound is at earlier frames.
@@ -52,7 +52,7 @@ def write_blender(animation: Animation, out: TextIO) -> None:
         "channels": channels,
     }
     [sound] = _frames(animation, np.zeros(1))
-    script = template("blender.txt")[0].replace("@SOUND@", f"{sound:g}")
+    script = template(__file__)[0].replace("@SOUND@", f"{sound:g}")
     out.write(script.replace("@TAKE@", json.dumps(take)))
 
 

@@ -9,9 +9,8 @@ of the project into which the file is imported; here they are stand-ins.
 import json
 from typing import TextIO
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.held import NEUTRAL_DRAWING, held
+from lipsync_lang.animations.writers import Animation, writer
 
 SPINE_VERSION = "4.2.00"
 SLOT = "mouth"

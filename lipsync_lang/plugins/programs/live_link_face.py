@@ -7,6 +7,7 @@ frames, so one timecode second at 23.976 fps lasts 1.001 s.
 """
 
 from functools import partial
+from pathlib import Path
 from typing import TextIO
 
 from lipsync_lang.animations.fixed import FixedColumns, doubts, names
@@ -14,7 +15,7 @@ from lipsync_lang.animations.rates import timecode
 from lipsync_lang.animations.writers import Animation, writer
 
 LIVE_LINK_FACE = "Live Link Face"
-LIVE_LINK_NAMES = "live-link-face.txt"
+LIVE_LINK_NAMES = Path(__file__).with_name("live-link-face-names.txt")
 THOUSAND = 1000
 
 

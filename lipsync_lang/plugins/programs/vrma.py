@@ -3,7 +3,7 @@
 Based on VRMC_vrm_animation 1.0 (github.com/vrm-c/vrm-specification). The x of a node's translation
 is the weight of its expression. Columns that match no preset of VRM are custom expressions. Turns
 of the head are the rotation of a bone, for which the extension wants a whole humanoid at rest:
-`names/vrm-humanoid.json`, with T-pose, y up and z to the front. Other bones are left out. Keys are
+`vrm-humanoid.json`, with T-pose, y up and z to the front. Other bones are left out. Keys are
 joined by straight lines, because players read no other values. glTF has no negative time;
 `audio_start` in the animation's extras is the start of the sound in seconds.
 """
@@ -16,10 +16,9 @@ from typing import BinaryIO
 
 import numpy as np
 
-from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.animation_writers import binary_writer
 from lipsync_lang.animations.fixed import names, shape_columns, shapes_from_zero
 from lipsync_lang.animations.keys import ERROR, KeyedCurve, needed
+from lipsync_lang.animations.writers import Animation, binary_writer
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.faces.rigs.container import write_container
@@ -29,7 +28,9 @@ from lipsync_lang.faces.rigs.transforms import HeadTurn
 VRM_ANIMATION = "VRMC_vrm_animation"
 FLOAT_TYPE = 5126
 
-HUMANOID = Path(__file__).parent / "names" / "vrm-humanoid.json"
+VRM_PRESETS = Path(__file__).with_name("vrm-names.txt")
+
+HUMANOID = Path(__file__).with_name("vrm-humanoid.json")
 """The bones that VRM requires, as nodes of glTF."""
 
 TURN_ERROR = 0.001
@@ -41,7 +42,7 @@ TURN_ERROR = 0.001
 )
 def write_vrma(animation: Animation, out: BinaryIO) -> None:
     """A VRM animation: keyframes of expressions and of the head, for every VRM avatar."""
-    presets = set(names("vrm.txt").shapes)
+    presets = set(names(VRM_PRESETS).shapes)
     curves, turned = _expressions(animation), _head(animation)
     bones = [] if turned is None else json.loads(HUMANOID.read_text("utf-8"))
     nodes = {one.name: {"node": number} for number, one in enumerate(curves, len(bones))}
@@ -96,7 +97,7 @@ def _expressions(animation: Animation) -> list[KeyedCurve]:
     """Return the keyframes of each expression; of two columns for a preset, the larger counts."""
     columns = shape_columns(animation)
     channels = [animation.columns[column] for column in columns]
-    presets = placed(channels, names("vrm.txt").shapes).shapes
+    presets = placed(channels, names(VRM_PRESETS).shapes).shapes
     sums: dict[str, Floats] = {}
     for number, column in enumerate(columns):
         values = animation.weights[:, column].clip(0.0, 1.0)

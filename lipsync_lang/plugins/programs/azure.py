@@ -8,16 +8,17 @@ weights are clipped to 0 to 1.
 
 import json
 from functools import partial
+from pathlib import Path
 from typing import TextIO
 
+from lipsync_lang import OutputError
 from lipsync_lang.animations.fixed import FixedColumns, doubts, first_frame, names
 from lipsync_lang.animations.writers import Animation, writer
 from lipsync_lang.base.arrays import Floats
-from lipsync_lang.base.errors import OutputError
 
 AZURE = "Azure"
 FPS = 60
-AZURE_NAMES = "azure.txt"
+AZURE_NAMES = Path(__file__).with_name("azure-names.txt")
 
 
 def _table(animation: Animation) -> Floats:

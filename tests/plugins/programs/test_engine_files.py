@@ -21,10 +21,11 @@ from lipsync_lang.animations.animation_writers import WRITERS, find_writer
 from lipsync_lang.animations.fixed import names
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
 from lipsync_lang.animations.readers.live_link import fits, read_live_link
-from lipsync_lang.animations.writers.live2d import _segments
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.packs.yaml.events import load_yaml
+from lipsync_lang.plugins.programs.azure import AZURE_NAMES
+from lipsync_lang.plugins.programs.live2d import _segments
 
 DENSE, SPARSE = 1e-5, ERROR + 1e-9
 
@@ -69,7 +70,7 @@ def from_azure(content, animation):
     table = np.array(document["BlendShapes"])
     assert document["FrameIndex"] == first(animation)
     times = animation.times[0] + np.arange(len(table)) / 60
-    listed = [*names("azure.txt").shapes, *names("azure.txt").turns]
+    listed = [*names(AZURE_NAMES).shapes, *names(AZURE_NAMES).turns]
     return {name: (times, column) for name, column in zip(listed, table.T, strict=True)}
 
 

@@ -12,9 +12,9 @@ import csv
 from collections import Counter
 from typing import TextIO
 
+from lipsync_lang import OutputError
 from lipsync_lang.animations.moving_shapes import in_words_of_model
 from lipsync_lang.animations.writers import Animation, writer
-from lipsync_lang.base.errors import OutputError
 
 
 @writer("unreal", suffix=".unreal.csv")

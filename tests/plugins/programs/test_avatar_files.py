@@ -11,9 +11,9 @@ from file_bytes import bytes_of
 import lipsync_lang as ll
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.animations.keys import ERROR
-from lipsync_lang.animations.writers.vrma import HUMANOID, TURN_ERROR
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.faces.rigs.transforms import HeadTurn
+from lipsync_lang.plugins.programs.vrma import HUMANOID, TURN_ERROR
 
 SCHEDULE = ll.Schedule(
     ("M", "AA1", "P", "OW1", "_"), (0, 0.1, 0.5, 0.6, 1.0, 1.2), notation="arpabet"

@@ -20,6 +20,7 @@ from lipsync_lang.animations.keys import CONTACT_TOLERANCE, curves, fit
 from lipsync_lang.animations.readers.glb import read_glb
 from lipsync_lang.faces.rigs.tracks import Spline, sample
 from lipsync_lang.packs.yaml.events import load_yaml
+from lipsync_lang.plugins.programs import blender as blender_file
 
 LABELS = (
     *("HH", "AH0", "L", "OW1", "_", "P", "AA1", "P", "M", "AH0", "S"),
@@ -198,7 +199,7 @@ class Point(SimpleNamespace):
 def blender(content, animation):
     text = content.decode()
     take = json.loads(text.split('json.loads(r"""\n')[1].split('\n"""')[0])
-    source = template("blender.txt")[0]
+    source = template(blender_file.__file__)[0]
     bend = "def bend" + source.split("def bend")[1].split("\n\n\n")[0]
     scope = {}
     exec(bend, scope)  # noqa: S102 our own template

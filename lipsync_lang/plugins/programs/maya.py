@@ -45,7 +45,7 @@ def write_maya(animation: Animation, out: TextIO) -> None:
     first = (FIRST_FRAME / rate + animation.offset - animation.begins) * per_second
     start, end = (first + float(time) * per_second for time in animation.timeline[[0, -1]])
     named = {"fps": _number(rate), "unit": unit or "sec"}
-    head, curve_form = template("maya.txt")
+    head, curve_form = template(__file__)
     out.write(head.format(start=_number(start), end=_number(end), **named))
     found = shapes(animation)
     taken: set[tuple[str, str]] = set()

@@ -30,7 +30,7 @@ PLAIN_YAML = r"(?ai)(?!(?:true|false|yes|no|on|off|null|y|n)$)[a-z][\w./-]*"
 def write_unity(animation: Animation, out: TextIO) -> None:
     """A Unity animation clip: keyframes of blend shapes."""
     found, chains = shapes(animation), node_chains(animation)
-    head, curve_form, key_form, tail = template("unity.txt")
+    head, curve_form, key_form, tail = template(__file__)
     out.write(head.format(name=_text(animation.title)))
     for shape, curve in zip(found, keys(animation, found, ERROR), strict=True):
         told, attribute = _keys(curve, key_form), _text(f"blendShape.{shape.name}")

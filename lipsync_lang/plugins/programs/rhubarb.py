@@ -8,15 +8,16 @@ audio file is unknown here.
 
 import json
 from html import escape
+from pathlib import Path
 from typing import TextIO
 
+from lipsync_lang import OutputError
 from lipsync_lang.animations.fixed import names
 from lipsync_lang.animations.held import HeldShape, held
 from lipsync_lang.animations.writers import Animation, template, writer
-from lipsync_lang.base.errors import OutputError
 from lipsync_lang.faces.rigs.model import some
 
-RHUBARB_NAMES = "rhubarb.txt"
+RHUBARB_NAMES = Path(__file__).with_name("rhubarb-names.txt")
 """List of the shapes' names, with the rest shape last."""
 
 
@@ -53,7 +54,7 @@ def write_xml(animation: Animation, out: TextIO) -> None:
         for shape in shapes
     )
     name = escape(file, quote=False)
-    out.write(template("rhubarb.txt")[0].format(file=name, duration=shapes[-1].end, cues=cues))
+    out.write(template(__file__)[0].format(file=name, duration=shapes[-1].end, cues=cues))
 
 
 @writer("rhubarb-json", suffix=".rhubarb.json", refuse=_refuse_others)
@@ -66,7 +67,7 @@ def write_json(animation: Animation, out: TextIO) -> None:
         for shape in shapes
     )
     file = json.dumps(animation.schedule.source, ensure_ascii=False)
-    out.write(template("rhubarb.txt")[1].format(file=file, duration=shapes[-1].end, cues=cues))
+    out.write(template(__file__)[1].format(file=file, duration=shapes[-1].end, cues=cues))
 
 
 def _shapes(animation: Animation) -> list[HeldShape]:
