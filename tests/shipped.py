@@ -11,6 +11,7 @@ from lipsync_lang.packs import library
 from lipsync_lang.packs.checking import pack_checks, validate
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import validation
+from lipsync_lang.resolver import cache as pair_cache
 
 LIBRARY = Library(project=None)
 """Library of the built-in packs; tests share it and must not change it."""
@@ -26,6 +27,10 @@ RESTING = sorted(
 
 A look into the bytes of a pack takes no time; to read all packs would take two seconds.
 """
+
+
+KEPT_PAIRS = 16
+"""Number of compiled pairs that a process keeps; each has some megabytes."""
 
 
 @contextmanager
@@ -48,7 +53,33 @@ def read_once() -> Iterator[None]:
         patch.setattr(validation, "validated", validated_once)
         patch.setattr(pack_checks, "check_labels", _checked_once(pack_checks.check_labels))
         patch.setattr(validate, "check_claims", _checked_once(validate.check_claims))
+        _load_pairs_once(patch)
         yield
+
+
+def _load_pairs_once(patch):
+    """Digest and decode a file of the cache of pairs once, as long as it has the same bytes."""
+    unsealed, compiled = pair_cache.unsealed, pair_cache._compiled  # noqa: SLF001 behind all checks
+    kept = {}
+
+    def unsealed_once(mark, content):
+        name = content[: len(mark) + pair_cache.DIGEST]
+        if name in kept and kept[name][0] == content:
+            return memoryview(kept[name][0])[len(name) :]
+        rest = unsealed(mark, content)
+        if rest is not None:
+            kept[name] = [content, None]
+            while len(kept) > KEPT_PAIRS:
+                del kept[next(iter(kept))]
+        return rest
+
+    def compiled_once(head, body):
+        own = next((one for one in kept.values() if one[0] is body.obj), [b"", None])
+        own[1] = own[1] or compiled(head, body)
+        return own[1]
+
+    patch.setattr(pair_cache, "unsealed", unsealed_once)
+    patch.setattr(pair_cache, "_compiled", compiled_once)
 
 
 def _checked_once(check):
