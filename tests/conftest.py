@@ -5,6 +5,8 @@ import os
 import re
 import signal
 import sys
+from contextlib import suppress
+from importlib.util import find_spec, module_from_spec
 from itertools import count
 from pathlib import Path
 from random import randrange
@@ -44,6 +46,23 @@ def pytest_configure(config):
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     seed = 0 if os.environ.get("CI") else randrange(10**6)  # noqa: S311 no secret
     os.environ.setdefault("LIPSYNC_LANG_FUZZ_SEED", str(seed))
+
+
+def pytest_collection(session):
+    """Let each worker of a fresh clone compile its share of the test modules, and no other."""
+    worker = getattr(session.config, "workerinput", {})
+    if worker and [Path(one).resolve() for one in session.config.args] == [TESTS]:
+        fresh = [path for path in sorted(TESTS.rglob("test_*.py")) if not _is_compiled(path)]
+        for path in fresh[int(worker["workerid"][2:]) :: worker["workercount"]]:
+            spec = find_spec(path.stem)
+            module = module_from_spec(spec)
+            module.__builtins__ = {}  # so that its first import fails, and nothing runs
+            with suppress(ImportError):
+                spec.loader.exec_module(module)
+
+
+def _is_compiled(path):
+    return any(path.parent.glob(f"__pycache__/{path.stem}.*pytest*.pyc"))
 
 
 def pytest_collection_finish():

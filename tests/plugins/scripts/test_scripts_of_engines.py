@@ -3,6 +3,7 @@
 import time
 
 import pytest
+from lanes import swept
 
 from lipsync_lang import LipsyncError
 from lipsync_lang.text.lines import read_lines
@@ -88,7 +89,7 @@ def test_identifiers_are_those_of_renpy(read):
 
 @pytest.mark.parametrize(
     "statement",
-    [
+    swept([
         'e "' + '\\"' * 100_000,
         'e """' + '\\"' * 100_000,
         "e " + "(" * 100_000 + '"x"',
@@ -96,9 +97,9 @@ def test_identifiers_are_those_of_renpy(read):
         "e" + ".a" * 50_000,
         'e "x" (' + "a, " * 50_000 + ")",
         "e " + "happy " * 50_000,
-    ],
+    ], 2),
     ids=lambda value: value[:8],
-)
+)  # fmt: skip
 def test_no_statement_of_renpy_takes_quadratic_time(read, statement):
     begun = time.process_time()
     read(f"label start:\n    {statement}\n", ".rpy")
@@ -176,7 +177,11 @@ def test_a_word_behind_an_escaped_hash_of_ink_is_no_tag(read):
     assert [line.text for line in lines] == ["Say word", "We are one #2"]
 
 
-@pytest.mark.parametrize("row", ["{" * 100_000, "}" * 100_000, "{a|" * 50_000, "{a|b} " * 30_000])
+@pytest.mark.parametrize(
+    "row",
+    swept(["{" * 100_000, "}" * 100_000, "{a|" * 50_000, "{a|b} " * 30_000], 1),
+    ids=lambda value: value[:8],
+)
 def test_no_row_of_ink_takes_quadratic_time(read, row):
     begun = time.process_time()
     read(f"{row}\n", ".ink")
