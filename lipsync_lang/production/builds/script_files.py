@@ -134,8 +134,8 @@ def read_apart(
     shared: set[str] = set()
     read = ((file, read_rows(file, columns, faults, remark)) for file in files)
     kept = [(file, list(rows)) for file, rows in read] if several else []
-    for file, rows in kept:
-        for key in (folded_name(row.name) for row in rows):
+    for file, listed in kept:
+        for key in (folded_name(row.name) for row in listed):
             if any(first.setdefault((at, key), file.path) != file.path for at in file.languages):
                 shared.add(key)
     labels = _labels(files) if shared else {}
