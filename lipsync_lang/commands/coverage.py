@@ -23,6 +23,7 @@ from lipsync_lang.commands.output import FAULTS, SOUND, as_options, tell_written
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import (
     add_json_form,
+    add_layout,
     add_output,
     add_path,
     add_values,
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.finding import Finder
     from lipsync_lang.reports.coverage import Coverage
     from lipsync_lang.text.lines import Line
+    from lipsync_lang.text.lines.line_readers import TableLayout
 
 
 WHOLE = 100
@@ -79,6 +81,7 @@ def _add_coverage(add: Add) -> None:
         "the text's column in tables, by name or number; LANGUAGE=NAME for one language's, which "
         "may have several [the one named after the language]",
     )  # fmt: skip
+    add_layout(coverage_)
     option(coverage_, "--encoding NAME", "the encoding of all files [UTF-8]")
     option(coverage_, "--minutes N", "minutes to author a bigram [5]", type=float, default=5.0)
     repeated(
@@ -136,6 +139,7 @@ def _counted(options: Namespace) -> "Coverage":
     from lipsync_lang.sound.speech.sound import AUDIO_SUFFIXES
     from lipsync_lang.sound.speech.speaking.speaker import Speaker
     from lipsync_lang.text.lines import read_lines
+    from lipsync_lang.text.lines.line_readers import TableLayout
 
     parts = corpus_parts(options)
     weights = weights_of(options)
@@ -154,7 +158,7 @@ def _counted(options: Namespace) -> "Coverage":
         lines = read_lines(
             part.paths, column=part.column, encoding=options.encoding, remark=tell,
             cleaning=cleaning(options), names=part.names, speaker=options.speaker_column,
-            elsewhere=AUDIO_SUFFIXES,
+            layout=TableLayout(options.sheet, options.header_row), elsewhere=AUDIO_SUFFIXES,
         )  # fmt: skip
         heard = heard_lines(part.recordings, speakers[part.languages[0]], tell)
         found = count(
@@ -241,11 +245,12 @@ def corpus_parts(options: Namespace) -> list[CorpusPart]:
     """
     from lipsync_lang.packs.finding import Finder, folders_of
     from lipsync_lang.reports.coverage.heard_lines import is_recording, unwritten
-    from lipsync_lang.text.lines.line_readers import line_files
+    from lipsync_lang.text.lines.line_readers import TableLayout, line_files
 
     finder = Finder(folders_of(options.path))
     stated = _stated(options.language, options.column)
-    finding = _Columns(options.encoding, finder, options.language, options.words)
+    layout = TableLayout(options.sheet, options.header_row)
+    finding = _Columns(options.encoding, layout, finder, options.language, options.words)
     parts: dict[object, CorpusPart] = {}
     if options.language and not (options.corpus or options.lines):
         raise LipsyncError(f"there is no script to count; name a file, or state `lines` in {FILE}")
@@ -295,11 +300,12 @@ class _Columns:
     def __init__(
         self,
         encoding: str | None,
+        layout: "TableLayout",
         finder: "Finder",
         languages: Iterable[str],
         words: dict[str, str | None],
     ) -> None:
-        self._encoding = encoding
+        self._encoding, self._layout = encoding, layout
         self._finder = finder
         self.names = {one: finder.column_names(one, words.get(one)) for one in languages}
         self._heads: dict[tuple[Path, ...], dict[Path, list[str]]] = {}
@@ -310,7 +316,7 @@ class _Columns:
         from lipsync_lang.text.lines.line_readers import heads
 
         if paths not in self._heads:
-            self._heads[paths] = heads(paths, self._encoding)
+            self._heads[paths] = heads(paths, self._encoding, self._layout)
         others = [names for other, names in self.names.items() if other != language]
         found = []
         for path, head in self._heads[paths].items():

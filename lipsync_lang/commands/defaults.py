@@ -164,6 +164,8 @@ def _take_script(options: Namespace, pack: "Pack[Project]", folder: Path) -> Non
     options.lines = [Path(os.path.relpath(folder / stated)) for stated in project.lines]
     options.speaker_column = project.columns.speaker
     options.encoding = options.encoding or project.encoding
+    options.sheet = options.sheet or project.columns.sheet
+    options.header_row = options.header_row or project.columns.header_row
     if project.cast and not options.character:
         stated = stated_faces(project)
         options.character = list(stated.pop(OTHERS, ()))

@@ -9,7 +9,7 @@ from lipsync_lang.base.files import write_all
 from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
 from lipsync_lang.commands.parser import lacking
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_path, option, repeated
+from lipsync_lang.commands.shared_options import add_layout, add_path, option, repeated
 from lipsync_lang.packs.project import FILE
 
 
@@ -36,6 +36,7 @@ def _add_new(add: Add) -> None:
         "or a file or folder of another format", type=Path, dest="table",
     )  # fmt: skip
     option(made, "--column COLUMN", "the column of the text in --from, by name or number from 1")
+    add_layout(made)
     option(made, "--encoding ENCODING", "the encoding of --from, such as cp1252 [UTF-8]")
     option(
         made, "-l, --language LANGUAGE",
@@ -109,6 +110,7 @@ def _of_table(options: Namespace) -> int:
     from lipsync_lang.production.builds.project_folder import starter
     from lipsync_lang.production.builds.script import read_script
     from lipsync_lang.production.builds.timing_formats import open_project
+    from lipsync_lang.text.lines.line_readers import TableLayout
 
     path, here = Path(FILE), Path.cwd()
     if path.exists():
@@ -118,6 +120,7 @@ def _of_table(options: Namespace) -> int:
         options.recordings, options.table, folder=here, finder=finder,
         language=options.new_language, characters=options.characters or [starter().character],
         column=options.column, encoding=options.encoding,
+        layout=TableLayout(options.sheet, options.header_row),
     )  # fmt: skip
     write_all({path: lambda stream: stream.write(drafted.text.encode())}, durable=True)
     tell_written(path)

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from lipsync_lang.text.lines.markup import Cleaning
 
 
+MAX_ROW_DIGITS = 10
+
 Options = _ActionsContainer
 """A command, or a group of its options."""
 
@@ -67,6 +69,23 @@ def add_path(made: Options) -> None:
     repeated(
         made, "--path FOLDER", "search this folder for packs first; may be repeated", type=Path
     )
+
+
+def add_layout(made: Options) -> None:
+    """Add the options that say where a table begins."""
+    option(made, "--sheet NAME", "the only sheet to read of a spreadsheet [all of a script]")
+    option(
+        made, "--header-row N",
+        "the row of a table that names the columns, from 1 [the first, or the one below a title]",
+        type=parse_row,
+    )  # fmt: skip
+
+
+def parse_row(text: str) -> int:
+    """Return the number of a row."""
+    if not (text.isascii() and text.isdecimal() and len(text) < MAX_ROW_DIGITS and int(text)):
+        raise argparse.ArgumentTypeError(f"'{text}' is no number of a row; give 1 or more")
+    return int(text)
 
 
 def add_json(made: Options) -> None:

@@ -28,7 +28,7 @@ from lipsync_lang.reports.coverage.report_figures import CountFigures, report_of
 from lipsync_lang.reports.coverage.scripts import scripts_of
 from lipsync_lang.studio.workshop import Workshop
 from lipsync_lang.text.lines import Line, read_lines
-from lipsync_lang.text.lines.line_readers import by_suffix
+from lipsync_lang.text.lines.line_readers import AS_FOUND, TableLayout, by_suffix
 
 _log = logging.getLogger(__name__)
 
@@ -56,6 +56,8 @@ class ScriptReading:
     cast: tuple[tuple[str, tuple[str, ...]], ...] = ()
     """Speakers with their characters; empty if the open character speaks every line."""
     character: str = ""
+    layout: TableLayout = AS_FOUND
+    """The sheet of the project, and the row that names the columns."""
 
     @property
     def faces(self) -> SpeakerFaces | None:
@@ -95,8 +97,9 @@ def reading_of(workshop: Workshop, column: str | None, *, sent: bool) -> ScriptR
     if sent:
         return ScriptReading(column, names, cast=cast, character=character)
     stated = project.columns.text and project.columns.text.replace("{language}", word)
+    layout = TableLayout(project.columns.sheet, project.columns.header_row)
     return ScriptReading(
-        column or stated, names, project.columns.speaker, project.encoding, cast, character
+        column or stated, names, project.columns.speaker, project.encoding, cast, character, layout
     )
 
 
@@ -124,6 +127,7 @@ class _CountRun:
                 path, column=reading.column, encoding=reading.encoding,
                 remark=lambda told: self.remarks.append(told.replace(folder, "")),
                 cleaning=self.performer.cleaning, names=reading.names, speaker=reading.speaker,
+                layout=reading.layout,
             )  # fmt: skip
             own = Reading(self.performer, scripts, reading.takes)
             corpus, counts = count(self._seen(lines), [own], pages, reading.faces)

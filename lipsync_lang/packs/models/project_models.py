@@ -118,6 +118,10 @@ class ScriptColumns(Strict):
     speaker: Text | None = None
     """The speaker. By default the first of `speaker`, `character` and such. In comments of gettext,
     the word before the name, or the form of the comment, such as `[{speaker}]`."""
+    sheet: Text | None = None
+    """The only sheet of a spreadsheet that is read. By default all that look like a script."""
+    header_row: Annotated[int, Field(ge=1)] | None = None
+    """Number of the row that names the columns. By default the first, or the one below a title."""
 
 
 class GlbFields(Strict):

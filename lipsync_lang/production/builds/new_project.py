@@ -27,7 +27,9 @@ from lipsync_lang.text.lines.columns import (
     text_column,
 )
 from lipsync_lang.text.lines.line_readers import (
+    AS_FOUND,
     LineFile,
+    TableLayout,
     by_suffix,
     is_timed,
     line_files,
@@ -115,6 +117,7 @@ def new_project(  # noqa: PLR0913 the parts of a draft
     characters: Sequence[str] = (),
     column: str | None = None,
     encoding: str | None = None,
+    layout: TableLayout = AS_FOUND,
 ) -> NewProject:
     """Draft the project of a table, and of a folder of recordings if there is one.
 
@@ -128,6 +131,7 @@ def new_project(  # noqa: PLR0913 the parts of a draft
     column : of the text, by name or number from 1; None for the columns of languages, or else the
         likeliest
     encoding : of the script; None for UTF-8, or what the file's own mark says
+    layout : the sheet and the row that names the columns, if the table does not tell
 
     Raises
     ------
@@ -140,7 +144,7 @@ def new_project(  # noqa: PLR0913 the parts of a draft
             what = "move both into it, or start in the folder of both"
             raise LipsyncError(f"{path}: is outside of {folder}, the project's folder; {what}")
     found, suffix = recordings_below(recordings, folder) if recordings else ([], "")
-    cells = read_cells(table, encoding)
+    cells = read_cells(table, encoding, layout)
     stated = -1
     if column is not None:
         stated = stated_column(LineFile(table, lambda _: None), cells.head, column)
@@ -167,12 +171,13 @@ def new_project(  # noqa: PLR0913 the parts of a draft
         raise LipsyncError(f"the character is missing; name one of: {shortlist(known, MAX_KNOWN)}")
     columns = {"id": cells.head[ids.column], **text}
     columns |= {"speaker": cells.head[speaker]} if speaker >= 0 else {}
+    begins = {name: value for name, value in layout._asdict().items() if value is not None}
     spoken = Counter(cells.at(speaker)).most_common(SHOWN_SPEAKERS)
     several = "{language}/" if len(languages) > 1 else ""
     same = all(name == word for name, word in languages.items())
     drafted: dict[str, Any] = {
         "lines": table.resolve().relative_to(folder.resolve()).as_posix(),
-        "columns": columns if cells.table else {},
+        "columns": columns | begins if cells.table else {},
         "encoding": encoding,
         "languages": list(languages) if same else languages,
         "audio": "/".join([*pattern, f"{ids.before}{{id}}{ids.after}{suffix}"]) if found else None,
@@ -209,14 +214,14 @@ def recordings_below(recordings: Path, folder: Path) -> tuple[list[FoundRecordin
     return [one for suffix, one in found if suffix.lower() == usual.lower()], usual
 
 
-def read_cells(table: Path, encoding: str | None = None) -> Cells:
+def read_cells(table: Path, encoding: str | None = None, layout: TableLayout = AS_FOUND) -> Cells:
     """Read the first rows of a table, or lines of a script of another format, or of a folder."""
     found = [file for file, _ in line_files(table, lambda _: None)]
     if not found:
         raise LipsyncError(f"{table}: has no script; name a folder with {', '.join(by_suffix())}")
     file = found[0]
     opened = by_suffix()[file.suffix.lower()].table if len(found) == 1 else None
-    source = LineFile(file, lambda _: None, encoding=encoding)
+    source = LineFile(file, lambda _: None, encoding=encoding, layout=layout)
     if opened is None or is_timed(source):
         lines = [
             *islice(read_lines(table, encoding=encoding, remark=lambda _: None), MAX_TABLE_ROWS)

@@ -25,7 +25,7 @@ from lipsync_lang.text.lines.columns import (
     stated_column,
     text_column,
 )
-from lipsync_lang.text.lines.line_readers import LineFile, Table, by_suffix, is_timed
+from lipsync_lang.text.lines.line_readers import LineFile, Table, TableLayout, by_suffix, is_timed
 from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning, spoken
 from lipsync_lang.text.lines.table import cell
 
@@ -89,7 +89,10 @@ def read_rows(
     """Yield the rows of a file; its faults are collected, and end its reading."""
     try:
         opened = by_suffix()[file.path.suffix.lower()].table
-        settings = LineFile(file.path, remark, encoding=file.encoding, cleaning=file.cleaning)
+        layout = TableLayout(columns.sheet, columns.header_row)
+        settings = LineFile(
+            file.path, remark, encoding=file.encoding, cleaning=file.cleaning, layout=layout
+        )
         source = settings.at(file.path) if opened is not None else settings
         stated = columns.text is not None or columns.id is not None
         if opened is not None and (stated or not is_timed(source)):

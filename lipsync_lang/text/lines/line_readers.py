@@ -131,6 +131,18 @@ class Line:
         return self.place.rpartition(":")[0]
 
 
+class TableLayout(NamedTuple):
+    """Start of a table, if its form does not tell."""
+
+    sheet: str | None = None
+    """Title of the only sheet of a spreadsheet that is read."""
+    header_row: int | None = None
+    """Number of the row that names the columns; rows above are left out."""
+
+
+AS_FOUND = TableLayout()
+
+
 @dataclass(frozen=True)
 class LineFile:
     """A file that is read into lines, with the settings of `read_lines`.
@@ -146,6 +158,7 @@ class LineFile:
     cleaning: Cleaning = AS_WRITTEN
     names: tuple[str, ...] = ()
     speaker: str | None = None
+    layout: TableLayout = AS_FOUND
 
     def at(self, path: Path) -> Self:
         """Return a file with these settings; a pipe is read now, since it can be read only once."""
@@ -237,6 +250,7 @@ def read_lines(  # noqa: PLR0913 the files, and options by keyword
     cleaning: Cleaning = AS_WRITTEN,
     names: Sequence[str] = (),
     speaker: str | None = None,
+    layout: TableLayout = AS_FOUND,
     elsewhere: Sequence[str] = (),
 ) -> Iterator[Line]:
     """Read the lines of files, and of folders with all below them in order of name.
@@ -251,6 +265,7 @@ def read_lines(  # noqa: PLR0913 the files, and options by keyword
     cleaning : values of placeholders, and what is not spoken
     names : of the language: its name, title, tag and aliases; a column with one of them is the text
     speaker : column of the speakers, by name or number from 1; None for the likeliest
+    layout : of tables, the sheet and the row that names the columns
     elsewhere : suffixes of files in folders that the caller reads itself, without a remark
 
     Raises
@@ -263,7 +278,9 @@ def read_lines(  # noqa: PLR0913 the files, and options by keyword
     tables = (file == STANDARD_STREAM or _format_of(file).table is not None for file, _ in found)
     if column is not None and not any(tables):
         remark(f"`column={column!r}`: not used, because no file is a table")
-    stated = LineFile(Path(), remark, column, encoding, None, cleaning, tuple(names), speaker)
+    stated = LineFile(
+        Path(), remark, column, encoding, None, cleaning, tuple(names), speaker, layout
+    )
     return _read(found, stated)
 
 
@@ -297,7 +314,9 @@ def line_files(
 
 
 def heads(
-    paths: str | Path | Iterable[str | Path], encoding: str | None = None
+    paths: str | Path | Iterable[str | Path],
+    encoding: str | None = None,
+    layout: TableLayout = AS_FOUND,
 ) -> dict[Path, list[str]]:
     """Return the names of the columns of each table among some files.
 
@@ -307,7 +326,7 @@ def heads(
     for path, _ in line_files(paths, lambda _: None):
         opens = None if path == STANDARD_STREAM else _format_of(path).table
         if opens is not None and path.is_file():
-            source = LineFile(path, lambda _: None, encoding=encoding)
+            source = LineFile(path, lambda _: None, encoding=encoding, layout=layout)
             if not is_timed(source):
                 found[path] = opens(source).head
     return found

@@ -27,6 +27,8 @@ from lipsync_lang.text.lines.line_readers import Line, LineFile, Table, reader
 
 DELIMITERS = "\t,;|"
 
+NO_HEAD = "has no row of column names; write one, such as id,speaker,text"
+
 MAX_CELL_LINES = 100
 """Maximum number of lines of the file in one cell; a longer cell has no closing quote."""
 
@@ -43,12 +45,13 @@ def open_table(source: LineFile) -> Table:
     The rows raise an error with the faults of all rows after the last one.
     """
     lines = source.numbered()
-    top = list(islice(lines, 1))
+    stated = source.layout.header_row
+    top = list(islice(lines, (stated or 1) - 1, stated or 1))
     if not top or not top[0][1].strip():
-        raise source.fault(1, "has no row of column names; write one, such as id,speaker,text")
-    if first_column(_cells(top[0][1], _delimiter(top[0][1])), NAME_COLUMNS) < 0:
+        raise source.fault(stated or 1, NO_HEAD)
+    if not stated and first_column(_cells(top[0][1], _delimiter(top[0][1])), NAME_COLUMNS) < 0:
         top += islice(lines, MAX_TITLE_ROWS - 1)
-    start = head_row([_cells(line, _delimiter(line)) for _, line in top])
+    start = 0 if stated else head_row([_cells(line, _delimiter(line)) for _, line in top])
     if start:
         source.remark(below_title(source, start + 1))
     rows = _rows(source, _RowLines(chain(top[start:], lines)), _delimiter(top[start][1]))

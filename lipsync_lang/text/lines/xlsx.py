@@ -7,7 +7,7 @@ Formulas count as the values that the program stored with them.
 
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import closing
-from itertools import chain, islice
+from itertools import chain, dropwhile, islice
 from typing import Any, NamedTuple
 from zipfile import BadZipFile, ZipFile
 
@@ -23,7 +23,7 @@ from lipsync_lang.text.lines.columns import (
     head_row,
 )
 from lipsync_lang.text.lines.line_readers import Line, LineFile, Table, reader
-from lipsync_lang.text.lines.table import below_title, lines_of
+from lipsync_lang.text.lines.table import NO_HEAD, below_title, lines_of
 
 KNOWN_COLUMNS = (*NAME_COLUMNS, *TEXT_COLUMNS, *SPEAKER_COLUMNS)
 """Names of columns that tell a sheet of a script from a cover."""
@@ -41,17 +41,23 @@ MAX_COLUMNS = 1_024
 def open_sheets(source: LineFile) -> Table:
     """Read the head of the first sheet of a script; the rows follow one by one."""
     before: list[str] = []
-    sheets = map(_below_titles, _sheets(source))
+    wanted, number = source.layout
+    sheets = (_below_titles(sheet, number) for sheet in _sheets(source))
     for sheet in sheets:
-        if first_column(sheet.head, KNOWN_COLUMNS) >= 0:
+        if sheet.title == wanted and sheet.head:
+            return Table(sheet.head, _rows(source, sheet, iter(()), []))
+        if wanted is None and first_column(sheet.head, KNOWN_COLUMNS) >= 0:
             return _table(source, sheet, sheets, before)
         before += [sheet.title] if sheet.head else []
+    if wanted is not None:
+        known = shortlist(before, MAX_KNOWN)
+        raise source.fault(1, f"has no sheet '{wanted}' with cells. Its sheets: {known}")
     # The sheets are read again, because a stream of a script of any size has no way back.
-    sheets = map(_below_titles, _sheets(source))
+    sheets = (_below_titles(sheet, number) for sheet in _sheets(source))
     for sheet in sheets:
         if sheet.head:
             return _table(source, sheet, sheets, [])
-    raise source.fault(1, "has no row of column names; write one, such as id,speaker,text")
+    raise source.fault(number or 1, NO_HEAD)
 
 
 @reader("xlsx", suffixes=[".xlsx"], table=open_sheets)
@@ -99,9 +105,11 @@ def _rows(
         source.remark(told)
 
 
-def _below_titles(sheet: tuple[str, Iterator[SheetRow]]) -> Sheet:
+def _below_titles(sheet: tuple[str, Iterator[SheetRow]], stated: int | None) -> Sheet:
     title, rows = sheet
-    top = list(islice(rows, MAX_TITLE_ROWS))
+    if stated:
+        rows = dropwhile(lambda row: row[0] < stated, rows)
+    top = list(islice(rows, 1 if stated else MAX_TITLE_ROWS))
     at = head_row([row for _, row in top])
     number, names = top[at] if top else (1, [])
     head = [name.strip() for name in names]

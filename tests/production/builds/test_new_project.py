@@ -227,6 +227,18 @@ def test_the_side_of_a_bilingual_script_is_told(folder, cli, arguments, told, li
     assert f"\n{lines} line" in ended.err
 
 
+def test_a_project_states_where_its_table_begins(folder, cli):
+    (folder / "a.csv").write_text("Maps,of,x\n7,8,9\nid,Said,Who\na,Hello.,Bo\n", "utf-8")
+    ended = cli("new", "--from", "a.csv", "--header-row", "3", "--column", "Said")
+    assert ended.code == 0, ended.err
+    assert "1 line to make" in ended.err
+    assert "header_row: 3" in (folder / "lipsync.yaml").read_text("utf-8")
+    assert cli("validate").code == 0
+    counted = cli("coverage")
+    assert counted.out.startswith("1 file, 1 line, 1 word"), counted.out + counted.err
+    assert "no number of a row" in cli("coverage", "--header-row", "0").err
+
+
 def test_a_folder_without_a_script_is_refused(folder, cli):
     (folder / "game").mkdir()
     ended = cli("new", "--from", "game")

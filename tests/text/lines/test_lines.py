@@ -14,7 +14,7 @@ from script_samples import FILES
 from lipsync_lang import LipsyncError
 from lipsync_lang.schedules.timing_readers import TIMING_READERS
 from lipsync_lang.text.lines import Line, read_lines
-from lipsync_lang.text.lines.line_readers import LINE_READERS, LineFile, by_suffix
+from lipsync_lang.text.lines.line_readers import LINE_READERS, LineFile, TableLayout, by_suffix
 from lipsync_lang.text.lines.markup import spoken
 from lipsync_lang.text.lines.table import MAX_FAULTS
 
@@ -747,6 +747,31 @@ def _refusal_of(path, column):
     with pytest.raises(LipsyncError) as caught:
         read(path, column=column)
     return str(caught.value)
+
+
+def test_a_project_states_the_sheet_and_the_row_of_names(tmp_path):
+    path = tmp_path / "a.xlsx"
+    workbook(
+        path,
+        Cover=[["name", "The game"], ["id", "7"]],
+        Lines=[["Act one", "x"], ["", "y"], ["Who", "Said"], ["Bo", "Hello."]],
+        More=[["Who", "Said"], ["Bo", "Bye."]],
+    )
+    assert texts(path, "Lines", 3) == ["Hello."]
+    assert texts(path, "More", None) == ["Bye."]
+    with pytest.raises(LipsyncError, match=r"has no sheet 'Nope' with cells\. Its sheets: Cover, "):
+        texts(path, "Nope", None)
+    with pytest.raises(LipsyncError, match=":9: has no row of column names"):
+        texts(path, None, 9)
+    table = write(tmp_path / "a.csv", "The game,of maps\n\nWho,Said\nBo,Hello.\n")
+    assert texts(table, None, 3) == ["Hello."]
+    with pytest.raises(LipsyncError, match=":9: has no row of column names"):
+        texts(table, None, 9)
+
+
+def texts(path, *layout):
+    found = read(path, column="Said", layout=TableLayout(*layout), remark=_quiet)
+    return [line.text for line in found]
 
 
 def test_damaged_spreadsheets_are_refused(tmp_path):
