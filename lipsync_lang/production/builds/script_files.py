@@ -143,9 +143,9 @@ def read_apart(
                 shared.add(key)
     labels = _labels(files) if shared else {}
     named: list[str] = []
-    for file, rows in kept or read:
-        for row in rows:
-            if folded_name(row.name) not in shared:
+    for file, own_rows in kept or read:
+        for row in own_rows:
+            if not shared or folded_name(row.name) not in shared:
                 yield file, row
                 continue
             # Timings and events are named after their file already.
