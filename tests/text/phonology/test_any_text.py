@@ -5,9 +5,9 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from lanes import costly, swept
+from lanes import swept
 from shipped import LIBRARY
 
 from lipsync_lang.base.errors import LipsyncError
@@ -34,10 +34,13 @@ TEXTS = st.builds(
     st.lists(st.sampled_from(SIGNS) | st.sampled_from(PIECES), max_size=7),
 )
 
+TEXTS_OF_A_VOICE = 12
+"""Number of texts for one start of a voice, which takes longer than to read them."""
+
 
 @pytest.mark.parametrize("language", swept(NAMES, quick=["english", "mandarin", "spanish"]))
-@costly()  # four texts for one start of a voice
-@given(st.lists(TEXTS, min_size=4, max_size=4))
+@settings(max_examples=max(2, settings().max_examples // 12))
+@given(st.lists(TEXTS, min_size=TEXTS_OF_A_VOICE, max_size=TEXTS_OF_A_VOICE))
 @example(["Zürich ="])
 def test_pieces_of_all_languages_are_read_or_refused_in_words(language, texts):
     for read in speaker_of(language).transcribe_many(texts):
