@@ -30,7 +30,7 @@ def plug_in_targets() -> Iterator[Target]:
     yield target("captures/list", _listed)
     yield target("captures/sensors", lambda path: read_sensors(path, READ_OUT))
     yield target("banks/smartbody", lambda path: read_smartbody(path, ImportRemarks()))
-    yield target("banks/fit", read_fit)
+    yield target("banks/fit", read_fit, share=0.2)
     yield target("study/key", read_study)
     yield target("study/answers", _answers)
     yield target("study/report", _report)
