@@ -42,11 +42,14 @@ DRIFT_STEP_SECONDS = 0.04
 SEARCHED_OFFSETS_SECONDS: Floats = np.arange(-3.0, 4.0) * DRIFT_STEP_SECONDS
 """Number of offsets in the search with every drift and speed."""
 
-SHUFFLES = 10
+SHUFFLES = 20
 """Number of shuffled lines for the estimate of chance."""
 
 LEAST_SPREAD = 0.05
-"""Minimum standard deviation of likenesses by chance."""
+"""Minimum standard deviation of likenesses by chance, on the scale of `_stretched`."""
+
+MOST_LIKENESS = 0.999
+"""Largest likeness on that scale, where 1 is infinite."""
 
 SPEEDS = (1 / 2, 24 / 30, 24 / 25, 25 / 24, 25 / 30, 30 / 25, 30 / 24, 48 / 60, 60 / 50, 2)
 """Speeds of a clock with a mistaken frame rate."""
@@ -83,9 +86,13 @@ class ClockReading(NamedTuple):
     drift: float
     """Seconds that the clock loses over the speech at that drift; negative if it gains."""
     chance: float
-    """Mean likeness of shuffled lines, each at its best near offset."""
+    """Usual likeness of shuffled lines, each at its best near offset."""
     spread: float
-    """Standard deviation of those likenesses."""
+    """Standard deviation of those likenesses, on the scale of `_stretched`."""
+
+    def beyond_chance(self, deviations: float) -> float:
+        """Return the likeness that lies a number of standard deviations beyond chance."""
+        return float(np.tanh(_stretched(self.chance) + deviations * self.spread))
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,13 +221,18 @@ def read_clock(performer: Performer, line: CapturedLine) -> tuple[ClockReading, 
     drifting, _, drift = max(zip(drifted, (-abs(one) for one in lost), lost, strict=True))
     few = np.arange(-NEAR_SECONDS, NEAR_SECONDS + 1e-9, DRIFT_STEP_SECONDS)
     # Each shuffled line may choose its best offset too, or chance would look too poor.
-    chance = motion.likenesses(few.tolist())[:, 1:].max(axis=0)
+    chance = _stretched(motion.likenesses(few.tolist())[:, 1:].max(axis=0))
     found = (
         *(alike[len(offsets) // 2], alike[best], offsets[best], alike[apart].max()),
         *(alike[far], offsets[far], drifting, drift),
-        *(chance.mean(), max(chance.std(), LEAST_SPREAD)),
+        *(np.tanh(chance.mean()), max(chance.std(), LEAST_SPREAD)),
     )
     return ClockReading(*map(float, found)), own
+
+
+def _stretched(likeness: Floats | float) -> Floats:
+    """Return Fisher's z of likenesses, whose spread by chance is even: near 1, r hardly spreads."""
+    return np.arctanh(np.clip(likeness, -MOST_LIKENESS, MOST_LIKENESS))
 
 
 def _shuffles(performer: Performer, line: CapturedLine) -> list[Schedule]:

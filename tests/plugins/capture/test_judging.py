@@ -8,7 +8,7 @@ import pytest
 from lanes import full
 
 import lipsync_lang as ll
-from lipsync_lang.plugins.capture.capture_clock import CLOCK_FPS, ClockReading, compared
+from lipsync_lang.plugins.capture.capture_clock import CLOCK_FPS, ClockReading, compared, read_clock
 from lipsync_lang.plugins.capture.capture_reading import Captures, read_captures
 from lipsync_lang.plugins.capture.fit_file import SetAside
 from lipsync_lang.plugins.capture.fit_lines import CapturedLine
@@ -91,6 +91,34 @@ def test_timings_of_another_line_are_refused(make, number):
     other = spoken((number + 1) % len(TEXTS))
     told = why(replace(make(number), schedule=other))
     assert "follow its timings" in told or "clock drifts" in told or "motion is" in told
+
+
+def loose(number):
+    """Two measures of a face that moves as much in its own way as with its words."""
+    line, random = sensed(number), np.random.default_rng(number)
+    smooth = np.hanning(15)
+    noise = random.normal(0, 1, line.values.shape)
+    noise = np.column_stack([np.convolve(one, smooth, "same") for one in noise.T])
+    values = line.values + noise * line.values.std(axis=0) / noise.std(axis=0)
+    return replace(line, signals=line.signals[:2], values=values[:, :2], gains=line.gains[:2])
+
+
+@pytest.mark.parametrize("number", range(len(TEXTS)))
+def test_short_takes_that_follow_their_words_loosely_pass(number):
+    line = loose(number)
+    reading, _ = read_clock(performer(), line)
+    assert 0.55 < reading.near < 0.75
+    np.testing.assert_array_equal(kept(line).times, line.times)
+    assert why(replace(line, schedule=spoken((number + 1) % len(TEXTS))))
+
+
+def test_chance_never_asks_for_the_impossible():
+    reading = ClockReading(0.8, 0.8, 0, 0.1, 0.1, 0.5, 0.8, 0, 0.4, 0.17)
+    needed = [reading.beyond_chance(deviations) for deviations in (0, 1, 2.5, 3.5, 10)]
+    assert needed == sorted(needed)
+    assert needed[0] == pytest.approx(0.4)
+    assert needed[2] == pytest.approx(np.tanh(np.arctanh(0.4) + 2.5 * 0.17))
+    assert needed[-1] < 1
 
 
 def test_a_line_far_less_alike_than_the_others_is_a_stray():
