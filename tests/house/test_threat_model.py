@@ -249,20 +249,20 @@ def test_folders_of_packs_outside_are_named_by_the_user(game, cli, stated, code,
     monkeypatch.setattr(
         os, "stat", lambda path, *a, **k: seen.append(str(path)) or looked(path, *a, **k)
     )
-    ended = cli("validate")
+    ended = cli("validate", "--no-tests")
     assert ended.code == code
     assert ("lipsync.yaml:9:9: P106" in ended.out) == bool(code)
     assert not [path for path in seen if path.endswith(("passwd", "share"))], "not even looked at"
     if stated == "../outside":
         assert cli("run", "hello", "--tts", "none").code == 1
         assert cli("run", "hello", "--tts", "none", "--path", stated).code == 0
-        assert cli("validate").code == 0, "named once"
+        assert cli("validate", "--no-tests").code == 0, "named once"
         (game.parent / "outside").rename(game.parent / "elsewhere")
         (game.parent / "elsewhere/other").mkdir()
         (game / "lipsync.yaml").write_text(f"{text}paths: [../elsewhere]\n")
-        assert cli("validate").code == 1, "another folder is another name"
+        assert cli("validate", "--no-tests").code == 1, "another folder is another name"
         monkeypatch.setenv("LIPSYNC_LANG_PATH", str(game.parent / "elsewhere"))
-        assert cli("validate").code == 0
+        assert cli("validate", "--no-tests").code == 0
 
 
 @pytest.mark.parametrize("name", ["../facefx", "/etc/passwd", "..", "a/../../b"])

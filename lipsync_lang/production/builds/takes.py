@@ -36,6 +36,9 @@ TAKE_NAME = struct.Struct("<2H")
 PATCH_KIND = 1
 """Kind of a file that changes another; 0 is a whole archive."""
 
+MAX_POSES = 2**16 - 1
+"""Maximum number of poses of an archive: their numbers have two bytes."""
+
 MAX_POSE_BYTES = 1_000
 """Longest name of a pose that is read: each take repeats it."""
 
@@ -176,7 +179,7 @@ def encoded(takes: Mapping[str, bytes], patch: tuple[int, int] | None = None) ->
     """
     parts = {name: _parted(one, name) if one else None for name, one in sorted(takes.items())}
     poses = sorted({pose for part in parts.values() if part for pose in part[0]})
-    if len(poses) >= 2**16:
+    if len(poses) > MAX_POSES:
         raise OutputError(f"{len(poses):,} poses are too many for an archive; use several")
     numbers = {pose: number for number, pose in enumerate(poses)}
     told = b"".join(TEXT_LENGTH.pack(len(pose)) + pose for pose in poses)
