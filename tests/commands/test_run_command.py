@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import PAIR, ROWS, SCHEDULE, listed, refused
-from lanes import full, needs_espeak
+from lanes import full, needs_espeak, needs_plug_ins
 
 from lipsync_lang.base import extras
 
@@ -77,6 +77,7 @@ def test_a_channel_of_a_recording_is_chosen(animate, folder):
     refused(animate("--audio-channel", "1"), "--audio-channel needs a recording; give one with")
 
 
+@needs_plug_ins
 def test_an_offset_and_the_error_of_keys_reach_the_files(animate, folder):
     def keys(*rest):
         assert animate("-o", "a.bml", *rest).code == 0

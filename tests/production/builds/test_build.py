@@ -12,7 +12,7 @@ from zipfile import ZipFile
 import numpy as np
 import pytest
 from build_project import PROJECT, SOUNDS, Game, left_behind
-from lanes import swept
+from lanes import needs_plug_ins, swept
 from small_models import glb
 
 import lipsync_lang as ll
@@ -191,6 +191,7 @@ def test_changed_settings_remake_everything(built, old, new):
     }
 
 
+@needs_plug_ins
 def test_every_sound_begins_at_the_projects_offset(game):
     stated = (game.folder / "lipsync.yaml").read_text().replace("takes/{id}.csv", "takes/{id}.tres")
     game.write("lipsync.yaml", stated + "offset: 0.75\n")

@@ -1,6 +1,7 @@
 """Faults that keep a project from being built: `validate` and `build` name the same."""
 
 import pytest
+from lanes import needs_plug_ins
 
 from lipsync_lang.base import extras
 from lipsync_lang.commands import doctor_checks
@@ -63,7 +64,8 @@ def told(cli, *command):
         ({"reports": "report.pdf"}, "9:10: P404", "unknown format of the report"),
         ({"character": "rhubarb", "outputs": "['{language}/{id}.csv', '{language}/{id}.glb']"},
          "8:34: P405", "cannot be made on rhubarb: there is no model"),
-        ({"fps": 30, "outputs": "'{language}/{id}.azure.json'"}, "8:10: P405", "60 frames"),
+        pytest.param({"fps": 30, "outputs": "'{language}/{id}.azure.json'"}, "8:10: P405",
+                     "60 frames", marks=needs_plug_ins),
         ({"motion": "slow"}, "9:9: P107", "`preset` must be one of default, paper"),
         ({"recordings": "required"}, "9:13: P407", "english: 2 lines without a recording"),
         ({"columns": "{id: idd}"}, "4:8: P407", "script.csv:1: has no column 'idd'"),

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
-from lanes import full
+from lanes import full, needs_plug_ins
 
 from lipsync_lang.commands.parser import parser
 from lipsync_lang.commands.registry import leaves
@@ -47,6 +47,7 @@ def test_a_line_is_enough_in_a_project(cli, project):
     assert json.loads((project / "takes/hello.data").read_text())["fps"] == 30
 
 
+@needs_plug_ins
 def test_the_sound_begins_at_the_projects_offset(cli, project):
     state(project, offset="0.75")
     for own, start in [((), "0.75"), (("--offset", "0.5"), "0.5")]:
