@@ -5,7 +5,7 @@
   list items are the pages.
 - Pages of the repository's root belong to the site. Links between the folders stay as GitHub
   needs them, and lead to the right page here.
-- Scripts and data are left out. One that a page links to is copied as text.
+- Scripts and data are left out, but for `downloads`. One that a page links to is copied as text.
 - A moving picture with a film beside it is that film, with controls and sound.
 - Markdown between tags of HTML is Markdown, as on GitHub.
 - The headings of a table's columns say how long its texts are, for the widths in site.css.
@@ -26,6 +26,7 @@ from mkdocs.structure.pages import Page
 
 DOCS = Path(__file__).resolve().parents[1]
 ROOT = DOCS.parent
+DOWNLOADS = DOCS / "downloads"
 
 SHOWN = {".md", ".png", ".jpg", ".gif", ".svg", ".webp", ".webm", ".mp4", ".wav", ".css", ".js"}
 """Suffixes of the files that a browser shows, or pages need."""
@@ -105,7 +106,7 @@ def _entries(line: str, index: Path) -> Iterator[tuple[str, str]]:
 
 def address(path: Path) -> str:
     """Return the place of a file of the repository among the sources of the site."""
-    if path.is_relative_to(DOCS) and path.suffix in SHOWN:
+    if path.is_relative_to(DOCS) and (path.suffix in SHOWN or path.parent == DOWNLOADS):
         return path.relative_to(DOCS).as_posix()
     name = path.relative_to(ROOT).as_posix()
     if path.suffix == ".md":
@@ -129,7 +130,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 def _wanted(path: Path) -> bool:
     """Say whether a file is for readers: files of the theme are, our scripts and data are not."""
-    return not path.is_relative_to(DOCS) or path.suffix in SHOWN
+    return not path.is_relative_to(DOCS) or path.suffix in SHOWN or path.parent == DOWNLOADS
 
 
 def _add(path: Path, files: Files, config: MkDocsConfig) -> None:
