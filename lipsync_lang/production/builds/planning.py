@@ -122,11 +122,11 @@ def plan(  # noqa: PLR0913 the lines, records and options
     known = records.lines()
     planner = _Planner(folder, needs, force, overwrite, StandingOutputs(folder))
     changed = _changed_needs(lines, known, records, needs)
+    keyed = {line.key: line for line in lines}
     steps = tuple(
-        planner.step(line, known.get(line.key), changed.get(line.key, ())) for line in lines
+        planner.step(line, known.get(key), changed.get(key, ())) for key, line in keyed.items()
     )
-    now = {line.key for line in lines}
-    gone = tuple((key, record) for key, record in known.items() if key not in now)
+    gone = tuple((key, record) for key, record in known.items() if key not in keyed)
     return BuildPlan(steps, gone)
 
 
@@ -139,8 +139,8 @@ def _changed_needs(
     """
     grouped: dict[tuple[str, str], list[Key]] = {}
     for line in lines:
-        if line.key in known:
-            grouped.setdefault((line.language, line.character), []).append(line.key)
+        if (key := line.key) in known:
+            grouped.setdefault((line.language, line.character), []).append(key)
     out: dict[Key, tuple[str, ...]] = {}
     for pair, keys in grouped.items():
         own = records.needs(pair)
