@@ -13,6 +13,7 @@ NO_TARGET = {
     "plugins/htk/htk_front_end.py": "settings beside it",
     "plugins/mfa/mfa_aligner.py": "what a program of the user's has written",
     "plugins/mfa/mfa_command.py": "what a program of the user's has written",
+    "plugins/programs/vrma.py": "bones of a list of our own",
     "plugins/study/answer_server.py": "a page of our own, and answers, which are a target",
     "plugins/study/making_command.py": "a plain text",
     "plugins/study/methods.py": "banks, which are a target",
