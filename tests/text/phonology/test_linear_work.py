@@ -113,7 +113,7 @@ def test_pauses_are_looked_for_without_runs_of_spaces(monkeypatch, text):
             return found
 
     monkeypatch.setattr(markup, "PAUSED", Pattern())
-    markup.spoken("a (sighs) b " + text * SIZE + "<b>")
+    markup.spoken("a {w} b " + text * SIZE + "<b>")
     assert seen
     assert not any("  " in one for one in seen)
 
