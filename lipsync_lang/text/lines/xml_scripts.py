@@ -115,8 +115,8 @@ class _Element:
 
     def value(self, paths: str) -> str:
         """Return the first text or attribute at one of the paths that is not empty."""
-        for names, attribute in _ways(paths):
-            for node in self.at(names):
+        for names, attribute in _ways(paths) if paths else ():
+            for node in self.at(names) if names else (self,):
                 found = node.attributes.get(attribute, "") if attribute else node.text()
                 if found and not found.isspace():
                     return found
@@ -124,7 +124,7 @@ class _Element:
 
     def values(self, path: str) -> Iterator[str]:
         """Yield the texts at the paths."""
-        for names, _ in _ways(path):
+        for names, _ in _ways(path) if path else ():
             yield from (node.text() for node in self.at(names))
 
     def text(self) -> str:
@@ -210,7 +210,8 @@ class _Parsing:
         if self.depth > MAX_XML_DEPTH:
             what = f"is nested deeper than {MAX_XML_DEPTH} elements; check what wrote it"
             raise self.source.fault(self.parser.CurrentLineNumber, what)
-        tag = tag[tag.find(":") + 1 :]
+        if ":" in tag:
+            tag = tag[tag.find(":") + 1 :]
         if self.open:
             node, around = _Element(tag, attributes), self.open[-1]
             around.parts.append(node)
