@@ -142,7 +142,7 @@ def mouths_of(library: Library, language: str, character: str) -> dict[str, str]
     return told
 
 
-def mouths_to_draw(sounds: Mapping[str, Any], named: Sequence[str] = ()) -> list[Mapping[str, Any]]:
+def mouths_to_draw(sounds: Mapping[str, Any], named: Sequence[str] = ()) -> list[dict[str, Any]]:
     """Return a row of the table of sounds for each mouth: those of named sounds, or all.
 
     A name is a label of any notation of the language, in any case, or a common phoneme. Sounds that

@@ -20,8 +20,8 @@ from lipsync_lang.reports.quality.likeness import LEAST_SOUNDS, LEAST_SPEECH_SEC
 from lipsync_lang.reports.quality.measured_scene import MeasuredScene, search
 from lipsync_lang.reports.quality.measures import measure, once, one, places, share, unjudged
 
-SLIT = 0.05
-"""Aperture of lips that a viewer sees apart: 2.5 mm of a human mouth."""
+SLIT = 0.06
+"""Aperture of lips that a viewer sees apart: 3 mm of a human mouth."""
 
 FLAP = 0.1
 """Aperture of a consonant, past that of filmed lips at reach 1, that a viewer sees as a flap."""
@@ -130,7 +130,7 @@ def seen_gaps(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Sounds with shut lips whose lips stay apart on the mesh.
 
     Such sounds demand a contact, and shut the lips in film. At one frame, extended by half a frame,
-    the aperture must be at most 0.05 of the mouth's width: 2.5 mm of a human mouth::
+    the aperture must be at most 0.06 of the mouth's width: 3 mm of a human mouth::
 
         value = sounds that stay above / such sounds
     """
