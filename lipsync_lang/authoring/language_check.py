@@ -155,15 +155,13 @@ def mouths_to_draw(sounds: Mapping[str, Any], named: Sequence[str] = ()) -> list
     """
     mouths = mouths_in(sounds)
     if not named:
-        shown: list[Mapping[str, Any]] = [
-            own[0] for mouth, own in mouths.items() if len(mouth) == 1
-        ]
+        shown = [own[0] for mouth, own in mouths.items() if len(mouth) == 1]
         if not shown:
             raise OutputError("the language maps no sounds; there is no mouth to draw")
         return shown
     known = {row["label"].casefold(): row["to"] for row in reversed(sounds["rows"])}
     known |= {mouth[0]: mouth for mouth in mouths if len(mouth) == 1 and mouth[0] not in known}
-    found: list[Mapping[str, Any]] = []
+    found = []
     for name in named:
         mouth = tuple(known.get(name.casefold(), ()))
         if mouth not in mouths:
