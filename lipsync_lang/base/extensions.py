@@ -221,12 +221,14 @@ class Formats(Extensions[F]):
 
         The formats compete for a file by its content and its suffix, so all of them take part.
         """
+        found = super().built_in()
         with _lock:
             if not self._joined:
                 self._joined = True
                 for entry_point in _own(self.group):
                     _load(entry_point)
-        return super().built_in()
+                found = super().built_in()
+        return found
 
     def ending(self, path: Path) -> list[F]:
         """Return the formats with a matching suffix of a path, longest suffix first."""
