@@ -2,7 +2,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-# uv takes a third of the time. Where it fails (no wheel of it, an index that only pip's settings name), pip installs.
+# uv takes a third of the time. If it fails (no wheel of it, an index that only pip's settings name), pip installs.
 PIP = packages() { $(BIN)/uv pip install --quiet --python $(BIN)/python "$$@" 2> /dev/null \
   || $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile "$$@"; }; packages
 LOWEST := $(VENV)-lowest

@@ -21,9 +21,9 @@ POSESETS = sorted({found.name for found in LIBRARY.names("poseset")})
 assert LANGUAGES, "a sweep over nothing passes"
 assert POSESETS, "a sweep over nothing passes"
 RESTING = sorted(
-    {found.name for found in LIBRARY.names("language") if b"preset:" not in found.path.read_bytes()}
+    {one.name for one in LIBRARY.names("language") if b"\nmotion:" not in one.path.read_bytes()}
 )
-"""Languages with the motion of the pose set; a preset of a language may keep other promises.
+"""Languages with the motion of the pose set; that of a language may keep other promises.
 
 A look into the bytes of a pack takes no time; to read all packs would take two seconds.
 """

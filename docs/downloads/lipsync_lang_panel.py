@@ -83,7 +83,7 @@ def add_sound(scene, path, frame):
 
 
 class LipSyncLine(bpy.types.PropertyGroup):
-    """What is said, and when."""
+    """The line that is said, and its place."""
 
     text: StringProperty(name="Text", description="What the face says")
     language: StringProperty(
@@ -97,7 +97,7 @@ class LipSyncLine(bpy.types.PropertyGroup):
 
 
 class LipSyncPreferences(bpy.types.AddonPreferences):
-    """Where the program is."""
+    """The path of the program."""
 
     bl_idname = __name__
     program: StringProperty(

@@ -428,7 +428,7 @@ def _pace(schedule: Schedule) -> Iterator[str]:
     if fast:
         yield (
             f"{schedule.source}: nobody speaks so fast: {shortlist(fast, 1)}; check its times, and "
-            "their unit (`--rate`)"
+            "their unit (`rate`)"
         )
 
 

@@ -146,7 +146,7 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
     named = TIMING_READERS.ending(source.path)
     # A plug-in reads what no built-in reader knows.
     for readers in (TIMING_READERS.built_in(), TIMING_READERS):
-        alike = [one for one in readers.values() if one.sniff(source)]
+        alike = [one for _, one in sorted(readers.items()) if one.sniff(source)]
         found = [one for one in alike if one in named] or alike
         if len(found) > 1:
             names = " or ".join(one.name for one in found)

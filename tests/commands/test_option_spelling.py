@@ -28,7 +28,6 @@ ELSEWHERE = {
     "render/fonts.py": "an option of another program",
     "resolver/bank_diff.py": "the command's own report",
     "schedules/tiers.py": "names the option that chooses a tier",
-    "schedules/readers/polly.py": "an option of another program",
 }
 """Modules whose strings may name options, with the reason."""
 

@@ -62,7 +62,7 @@ LEAST_LIKENESS = 0.3
 
 CHANCES, MOVED_CHANCES = 2.5, 3.5
 """Minimum distance of the likeness from chance in standard deviations, and that of a line with
-another offset, drift or speed: a search among many finds a good one by chance."""
+another offset, drift or speed. A search among many finds a good one by chance."""
 
 SURE_CHANCES = 5.0
 """Distance from chance in standard deviations above which a line is never set aside as a stray."""
