@@ -19,7 +19,7 @@ bl_info = {
     "description": "Let the selected face speak a text, with or without a recording",
     "author": "The authors of lipsync_lang",
     "version": (1, 0, 0),
-    "blender": (4, 2, 0),
+    "blender": (3, 4, 0),
     "location": "View3D > Sidebar > Lip sync",
     "category": "Animation",
 }
