@@ -9,8 +9,8 @@ joined by straight lines, because players read no other values. glTF has no nega
 """
 
 import json
+from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import BinaryIO
 
@@ -37,9 +37,18 @@ TURN_ERROR = 0.001
 """Largest error of the components of a quaternion: a tenth of a degree."""
 
 
-@binary_writer(
-    "vrma", suffix=".vrma", remarks=partial(shapes_from_zero, program="a .vrma", head=True)
-)
+def without_presets(animation: Animation) -> Iterator[str]:
+    """Yield warnings about what a `.vrma` cannot hold, and about poses that are no presets."""
+    yield from shapes_from_zero(animation, "a .vrma", head=True)
+    channels = [animation.columns[column] for column in shape_columns(animation)]
+    if not placed(channels, names(VRM_PRESETS).shapes).shapes:
+        yield (
+            "none of these poses is a preset of VRM, so only avatars move that have custom "
+            "expressions of their names, as for perfect sync; for all, take a pose set of presets"
+        )
+
+
+@binary_writer("vrma", suffix=".vrma", remarks=without_presets)
 def write_vrma(animation: Animation, out: BinaryIO) -> None:
     """A VRM animation: keyframes of expressions and of the head, for every VRM avatar."""
     presets = set(names(VRM_PRESETS).shapes)

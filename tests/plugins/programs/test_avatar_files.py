@@ -129,3 +129,20 @@ def test_the_bones_that_vrm_requires_stand_upright_under_the_head():
 def test_without_gestures_there_is_no_humanoid():
     animation = ll.resolve("english", "vrm").perform(SCHEDULE)
     assert b"humanoid" not in bytes_of("vrma", animation)
+
+
+@pytest.mark.parametrize("character", ["vrm", "vrm0"])
+def test_the_mouths_of_both_versions_are_presets(character):
+    animation = ll.resolve("english", character).perform(SCHEDULE, fps=30)
+    content = bytes_of("vrma", animation)
+    (length,) = struct.unpack_from("<I", content, 12)
+    extension = json.loads(content[20 : 20 + length])["extensions"]["VRMC_vrm_animation"]
+    assert list(extension["expressions"]) == ["preset"]
+    assert list(extension["expressions"]["preset"]) == ["aa", "ih", "ou", "ee", "oh"]
+    assert not [told for told in WRITERS["vrma"].remarks(animation) if "preset of VRM" in told]
+
+
+def test_poses_that_no_avatar_has_as_presets_are_named_as_such():
+    animation = ll.resolve("english", "facefx").perform(SCHEDULE, fps=30)
+    (told,) = [one for one in WRITERS["vrma"].remarks(animation) if "preset of VRM" in one]
+    assert told.endswith("take a pose set of presets")
