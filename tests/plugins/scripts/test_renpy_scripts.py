@@ -1,4 +1,4 @@
-"""Scripts of Ren'Py: statements, identifiers, and what is left out with a remark."""
+"""Ren'Py scripts: their lines, the identifiers of these, and remarks on statements without text."""
 
 import csv
 from hashlib import md5

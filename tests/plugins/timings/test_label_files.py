@@ -1,6 +1,8 @@
 """Files of labels: HTK and HTS, ESPS (Festival, Buckeye), TIMIT, BAS Partitur, Gentle."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -146,6 +148,16 @@ def test_two_numbers_and_a_label_need_a_suffix_or_a_name(read):
 
 
 # BAS Partitur
+
+
+def test_formats_of_our_plug_ins_compete_with_the_built_in_ones():
+    code = (
+        "from lipsync_lang.schedules.timing_readers import TIMING_READERS as known\n"
+        "from lipsync_lang.animations.animation_writers import WRITERS\n"
+        "print({'htk', 'json'} <= known.built_in().keys(), 'csv' == [*WRITERS.built_in()][0])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+    assert done.stdout.split() == [b"True", b"True"]
 
 
 def test_an_option_says_which_of_two_formats_a_file_has(folder, cli):

@@ -89,6 +89,25 @@ def test_a_file_opens_no_other(tmp_path):
                 read_audio(path)
 
 
+@pytest.mark.parametrize("one", decoding.COMPRESSIONS, ids=lambda one: one.title)
+def test_ffmpeg_is_told_the_format_and_to_open_files_alone(tmp_path, monkeypatch, one):
+    asked = []
+
+    def run(command, **_):
+        asked.extend(command)
+        return subprocess.CompletedProcess(command, 1, b"", b"no sound")
+
+    monkeypatch.setattr(decoding, "find_ffmpeg", lambda: "ffmpeg")
+    monkeypatch.setattr(decoding.subprocess, "run", run)
+    (tmp_path / "-i.mp4").write_bytes(bytes(one.at) + one.mark + bytes(100))
+    with pytest.raises(ll.SpeechError, match="no sound"):
+        read_audio(tmp_path / "-i.mp4")
+    before = asked[: asked.index("-i")]
+    assert before[before.index("-protocol_whitelist") + 1] == "file"
+    assert before[before.index("-f") + 1] == one.demuxer
+    assert asked[asked.index("-i") + 1] == f"file:{tmp_path / '-i.mp4'}"
+
+
 @full
 @pytest.mark.usefixtures("ffmpeg")
 def test_a_program_that_does_not_end_is_ended(tmp_path, monkeypatch):
