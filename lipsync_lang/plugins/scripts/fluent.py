@@ -60,8 +60,10 @@ def _messages(source: LineFile) -> Iterator[_Message]:
                 yield message
             name, text = (attribute or start or row)[1], (attribute or start or row)[2]
             whole = whole if attribute else name
-            message = _Message(number, f"{whole}.{name}" if attribute else name, [text], notes)
-            notes = notes if attribute else []
+            # A comment is about the attributes of its message, too.
+            about = message.notes if attribute and message else notes
+            message = _Message(number, f"{whole}.{name}" if attribute else name, [text], about)
+            notes = []
         elif message and CONTINUED.match(row):
             message.rows.append(row.strip())
         elif row.strip():

@@ -7,6 +7,7 @@ their probabilities (`--topk`), the first is the likeliest.
 
 import re
 from itertools import pairwise
+from operator import attrgetter
 
 from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
 
@@ -22,9 +23,11 @@ def sniff(source: TimingFile) -> bool:
         if len(source.head) < len(source.content)
         else [*filter(str.strip, source.head.split("\n"))]
     )
+    # Of a longer file the last line of the head is cut, and fits nothing.
     found = [ALLOSAURUS_ROW.fullmatch(line) for line in lines if line.strip()]
     rows = [(float(one[1]), one[2]) for one in found if one]
     same = len(rows) == len(found) > 0 and len({length for _, length in rows}) == 1
+    # A second number that is an end is later than all starts, so it is no length.
     return same and rows[-1][0] >= float(rows[-1][1])
 
 
@@ -37,8 +40,9 @@ def read_allosaurus(source: TimingFile) -> Schedule:
         for number, found in source.matches(ALLOSAURUS_ROW, form)
         for start in [source.time(found[1], number)]
     ]
+    rows.sort(key=attrgetter("start"))
     rate = source.rate or 1.0
-    for at, (one, after) in enumerate(pairwise(sorted(rows, key=lambda row: row.start))):
+    for at, (one, after) in enumerate(pairwise(rows)):
         near = after.start - one.start <= NEXT_PHONE_SECONDS * rate
         rows[at] = one._replace(end=after.start if near else one.end)
     return schedule_of(source, rows, notation="ipa")

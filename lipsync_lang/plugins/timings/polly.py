@@ -5,6 +5,7 @@ start of the sound. Words have marks of their own; their `start` and `end` are o
 """
 
 import re
+from bisect import bisect_right
 
 from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader
 from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND, Start, shapes_of, until_next
@@ -39,9 +40,9 @@ def read_polly(source: TimingFile) -> Schedule:
     # A word ends at the start of the next word or rest.
     rests = [row.start for row in rows if row.label == POLLY_REST]
     stops = sorted([start for _, start, _ in marks["word"]] + rests)
-    last = max((row.end for row in rows), default=0.0)
+    stops.append(max((row.end for row in rows), default=0.0))
     words = [
-        LabelRow(text, start, next((stop for stop in stops if stop > start), last), line)
+        LabelRow(text, start, stops[bisect_right(stops, start, hi=len(stops) - 1)], line)
         for text, start, line in marks["word"]
     ]
     return shapes_of(source, rows, notation=POLLY_NOTATION, words=words, rate=rate, remarks=told)

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from itertools import chain
 
 from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
 
@@ -13,11 +14,13 @@ PROPERTY_ESCAPE = re.compile(r"\\(?:u([0-9A-Fa-f]{4})|([:=#! \\]))")
 def read(source: LineFile) -> Iterator[Line]:
     """Java's .properties: a text for each name; a backslash at the end continues a text."""
     begun, first = "", 0
-    for number, row in source.numbered():
+    # An empty row at the end closes a text that the last row would continue.
+    for number, row in chain(source.numbered(), [(0, "")]):
         if not begun and (not row.strip() or row.lstrip()[0] in "#!"):
             continue
         first = first if begun else number
         begun += row.strip() if begun else row
+        # Two backslashes are one that is text.
         if (len(begun) - len(begun.rstrip("\\"))) % 2:
             begun = begun[:-1]
             continue

@@ -57,6 +57,14 @@ def test_terms_and_selectors_of_fluent(read):
     assert read("a.ftl", TERMS, cleaning=known)[1:] == [("b", "the map")]
 
 
+def test_a_comment_of_fluent_names_the_speaker_of_its_message_and_attributes(tmp_path):
+    rows = "# Speaker: Anna\na = Hello.\n  .tip = Press.\n# Speaker: Bob\nb = Goodbye.\n"
+    path = tmp_path / "a.ftl"
+    path.write_text(rows, "utf-8")
+    told = [(line.name, line.speaker) for line in read_lines(path)]
+    assert told == [("a", "Anna"), ("a.tip", "Anna"), ("b", "Bob")]
+
+
 @pytest.mark.parametrize(
     ("name", "text"),
     [

@@ -190,3 +190,5 @@ def test_phones_of_allosaurus_last_until_the_next(read):
     schedule = read(rows, ".txt")
     assert schedule.labels == ("_", "æ", "l", "u", "_", "s")
     np.testing.assert_allclose(schedule.times, (0, 0.21, 0.39, 0.45, 0.495, 1.45, 1.495))
+    swapped = read("".join(reversed(rows.splitlines(keepends=True))), ".txt")
+    assert (swapped.labels, swapped.times.tolist()) == (schedule.labels, schedule.times.tolist())

@@ -270,8 +270,13 @@ Anna: Hello there. #happy
         ],
     ),
     ".properties": (
-        "# Greetings\ngreeting = Hello, {0}!\nlong: One \\\n   two\nüm=\\u00fcber\n",
-        [(2, "greeting", "", "Hello, !"), (3, "long", "", "One two"), (5, "üm", "", "über")],
+        "# Greetings\ngreeting = Hello, {0}!\nlong: One \\\n   two\nüm=\\u00fcber\nend = Bye. \\\n",
+        [
+            (2, "greeting", "", "Hello, !"),
+            (3, "long", "", "One two"),
+            (5, "üm", "", "über"),
+            (6, "end", "", "Bye."),
+        ],
     ),
     **FILES,
 }
