@@ -200,6 +200,7 @@ def _schedule(answer: Answer, audio: Audio, text: str, voice: str) -> Schedule:
         if label == SILENCE and labels[-1:] == [SILENCE]:
             ends[-1] = end
             continue
+        # Festival answers 0 for a pause, which has no token.
         if token:
             first.setdefault(token, len(labels))
         labels.append(label)
@@ -209,6 +210,7 @@ def _schedule(answer: Answer, audio: Audio, text: str, voice: str) -> Schedule:
         raise SpeechError(
             f"Festival says nothing for {quoted(text)}; write it in the script of the voice"
         )
+    # The last pause is longer or shorter than the rest of the sound, which takes its place.
     if labels[-1] == SILENCE:
         labels.pop()
         stresses.pop()

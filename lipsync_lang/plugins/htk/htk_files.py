@@ -99,6 +99,7 @@ class _Definitions:
             raise SpeechError(f"{self.path}: ends within a definition; get the whole file")
         word, self.line = self.tokens[self.at]
         self.at += 1
+        # Keywords may be in any case; names between quotes may not.
         return word.upper() if word[0] == "<" else word
 
     def _peek(self) -> str:
@@ -175,6 +176,7 @@ class _Definitions:
             return found._replace(weight=weight)
         mean = self._vector("~u", "<MEAN>")
         variance = self._vector("~v", "<VARIANCE>")
+        # The constant follows from the variances, and some tools leave it out.
         if self._peek() == "<GCONST>":
             self.at += 2
         return MixturePart(weight, mean, variance)
@@ -199,6 +201,7 @@ class _Definitions:
 def read_htk(folder: Path) -> AcousticModel:
     """Read monophones; features or models of another kind are a `SpeechError`."""
     found = _Definitions(folder / HMMDEFS)
+    # In this order: models refer to states and vectors that `macros` defines.
     for path in (folder / "macros", folder / HMMDEFS):
         if path.is_file() or path.name == HMMDEFS:
             found.read(path)

@@ -125,6 +125,7 @@ class HtkFrontEnd(FrontEnd):
         frames = sound[starts[:, None] + np.arange(FRAME_SAMPLES)]
         if self.centred:
             frames = frames - frames.mean(axis=1, keepdims=True)
+        # HTK emphasises each window apart, and its first sample against itself.
         before = np.hstack([frames[:, :1], frames[:, :-1]])
         window = np.hamming(FRAME_SAMPLES)
         spectrum = np.abs(np.fft.rfft((frames - self.emphasis * before) * window, FFT_POINTS))
@@ -132,6 +133,7 @@ class HtkFrontEnd(FrontEnd):
         order = np.array([*range(1, CEPSTRA_OF_KIND + 1), 0])
         waves = np.cos(np.pi * np.outer(np.arange(self.bands) + 0.5, order) / self.bands)
         lifted = 1 + (self.lifter / 2 * np.sin(np.pi * order / self.lifter) if self.lifter else 0)
+        # HTK's own floor of a band; samples count to 32,768.
         found: Floats = np.log(np.maximum(bands, 1)) @ waves * np.sqrt(2 / self.bands) * lifted
         return found
 
@@ -165,6 +167,7 @@ def kept_features(kind: str, size: int, path: Path) -> tuple[tuple[int, ...], tu
     A target kind that is not computed here is a `SpeechError`.
     """
     base, *marks = re.sub(r"[<>]", "", kind).upper().split("_")
+    # These two say how a file of features is packed.
     own = {*marks} - {"C", "K"}
     if base != "MFCC" or own - {*"0EDANZ"}:
         raise refused(path, f"<{kind}>", "the features are MFCC with _0 _E _D _A _N _Z")
@@ -172,6 +175,7 @@ def kept_features(kind: str, size: int, path: Path) -> tuple[tuple[int, ...], tu
         raise refused(path, f"<{kind}>", "without _Z a model knows one microphone alone")
     cepstra = [*range(CEPSTRA_OF_KIND)] + ([CEPSTRA_OF_KIND] if "0" in own else [])
     part = [*cepstra, *([ENERGY] if "E" in own else [])]
+    # `_N` leaves out energy and c0 themselves, but keeps their derivatives.
     rows = [*part] if "N" not in own else [*range(CEPSTRA_OF_KIND)]
     for order in range(1, 1 + ("D" in own) + ("A" in own)):
         rows += [one + 13 * order if one != ENERGY else one for one in part]

@@ -53,6 +53,7 @@ def _pairs(source: LineFile, text: str) -> Iterator[ScriptEntry]:
 
 def _apple_escape(found: re.Match[str]) -> str:
     code, one = found.groups()
+    # The cleaning of texts reads `\n` as the end of a row, as in other scripts.
     return chr(int(code, 16)) if code else found[0] if one == "n" else one
 
 
@@ -79,12 +80,14 @@ def read_stringsdict(source: LineFile) -> Iterator[Line]:
 def _forms(fields: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """Yield (name, text) of each combination of plural forms."""
     text = str(fields.get(FORMAT_KEY, ""))
+    # Two plurals of six forms make 36 texts; a third would make 216.
     names = list(dict.fromkeys(PLURAL.findall(text)))[:2]
     given = [fields[name] for name in names if isinstance(fields.get(name), dict)]
     ways = [[one for one in CATEGORIES if one in each] for each in given]
     for forms in product(*ways):
         said = text
         for name, fields_of, form in zip(names, given, forms, strict=False):
+            # A backslash would be an escape in the replacement of `re.sub`.
             instead = str(fields_of[form]).replace("\\", r"\\")
             said = re.sub(rf"%(?:\d+\$)?#@{name}@", instead, said)
         yield "-".join(forms), said

@@ -118,6 +118,7 @@ def _alternative(found: re.Match[str]) -> str:
     """Return the first alternative that has words; a value in held braces."""
     inner = found[1].strip()
     inner = inner[1:] if re.match(r"-(?!>)", inner) else inner
+    # A sequence has a mark (`&!~`) or bars; a colon in it is text.
     test = None if inner[:1] in "&!~" else INK_TEST.match(inner)
     if test is None and not INK_BAR.search(inner):
         return found[0].translate(HELD)

@@ -19,6 +19,7 @@ def read(source: LineFile) -> Iterator[Line]:
     from ruamel.yaml.nodes import MappingNode
 
     try:
+        # Nodes keep their lines, which loaded data would lose.
         root = YAML(typ="safe", pure=True).compose(whole_file(source).text)
     except (YAMLError, RecursionError, ValueError) as error:
         mark = getattr(error, "problem_mark", None)
@@ -45,6 +46,7 @@ def _texts(source: LineFile, node: Any, keys: tuple[str, ...]) -> Iterator[Scrip
         what = f"is nested deeper than {MAX_ENTRY_DEPTH} levels; check what wrote it"
         raise source.fault(line, what)
     if node.id == "scalar":
+        # Numbers, dates and switches, such as formats of currencies, are not spoken.
         if node.tag.endswith(":str"):
             yield ScriptEntry(line, ".".join(keys), node.value)
         return

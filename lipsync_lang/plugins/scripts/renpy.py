@@ -129,8 +129,10 @@ class DialogueNames:
             return self._unused(said.stated or self._block, "-")
         ends = ["nointeract"] if self._in_menu or said.silent else []
         ends += [*filter(None, [said.arguments]), *([f"with {said.effect}"] if said.effect else [])]
+        # Ren'Py digests each statement with this line end, on every system.
         code = f"{before}{' '.join([*said.words, _spelled(text, raw=said.raw), *ends])}\r\n"
         digest = md5(code.encode("utf-8", "replace"), usedforsecurity=False).hexdigest()[:8]
+        # A line before the first label has the digest alone.
         return self._unused(f"{self._label}_{digest}".replace(".", "_").lstrip("_"), "_")
 
     def _unused(self, name: str, mark: str) -> str:

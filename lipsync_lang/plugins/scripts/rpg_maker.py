@@ -37,6 +37,8 @@ class RpgMaker(JsonScript):
             for number, command in enumerate(commands):
                 name = ".".join((stem, *keys, str(number)))
                 for choice, (text, speaker) in enumerate(_texts(commands, number, command)):
+                    # Parsed JSON has no lines, and texts may repeat, so the search goes on from the
+                    # text before. It stops at a backslash, which the file doubles.
                     found = file.text.find(text.partition("\n")[0].partition("\\")[0], at)
                     if found >= 0:
                         line += file.text.count("\n", at, found)

@@ -35,6 +35,7 @@ def read(source: LineFile) -> Iterator[Line]:
             continue
         text = HARLOWE.sub(" ", MACRO.sub(" ", row)) if within else ""
         links = [_shown(found[1]) for found in LINK.finditer(text)]
+        # A macro of Harlowe leaves the brackets of its hook: `(if: $met)[Hello again.]`.
         for said in (LINK.sub(" ", text).strip().strip("[]"), *links):
             who = speaker_before(said)
             spoken = said[who.end() :] if who else said

@@ -50,6 +50,7 @@ def _spoken(source: LineFile, number: int, text: str) -> Iterator[Line]:
     """Yield the line of a row, if it has one."""
     pieces = COMMAND.sub(" ", YARN_COMMENT.sub("", text)).strip().split("#")
     name = ""
+    # Tags stand at the end, so the first piece from there that is none ends the search.
     while len(pieces) > 1:
         tag = pieces[-1].strip()
         if len(tag.split()) != 1 or pieces[-2][-1:].strip():

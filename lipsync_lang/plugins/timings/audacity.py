@@ -30,6 +30,7 @@ def read_audacity(source: TimingFile) -> Timings:
     rows = []
     form = "a label; write START, END and TEXT, separated by tabs"
     for number, found in source.matches(LABEL, form, comments="\\"):
+        # Audacity writes the decimal sign of the user's country.
         start, end = (source.time(found[at].replace(",", "."), number) for at in (1, 2))
         rows.append(LabelRow(found[3] or "", start, end, number))
     if are_words(row.label for row in rows):

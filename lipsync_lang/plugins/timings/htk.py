@@ -82,6 +82,7 @@ def read_htk(source: TimingFile) -> Schedule:
         word = next((part for part in scored if not re.fullmatch(HTK_NUMBER, part)), None)
         if word:
             words.append(LabelRow(word, start, end, number))
+    # A word stands beside its first phone alone.
     stops = [*(word.start for word in words[1:]), rows[-1].end if rows else 0.0]
     words = [
         word._replace(end=max(stop, word.end)) for word, stop in zip(words, stops, strict=False)

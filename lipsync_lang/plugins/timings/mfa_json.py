@@ -28,6 +28,7 @@ def read_mfa_json(source: TimingFile) -> Timings:
     for name, tier in named:
         if not isinstance(tier, dict) or not isinstance(tier.get("entries"), list):
             raise source.fault(f"tier {name!r} has no entries; the form is {TIERS_FORM}")
+        # The second name is that of praatio's form "textgrid".
         kind = tier.get("type", tier.get("class"))
         if isinstance(kind, str) and kind.casefold().startswith("interval"):
             rows = []

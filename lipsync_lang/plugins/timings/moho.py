@@ -33,6 +33,7 @@ def sniff(source: TimingFile) -> bool:
 def read_moho(source: TimingFile) -> Schedule:
     """Switch data of Moho: the frame from which each drawing is shown, at 24 frames a second."""
     starts: list[Start] = []
+    # A file that is read as this format by request may lack its header.
     header = int(sniff(source))
     for number, found in source.matches(DRAWING_LINE, "a frame and a drawing", after=header):
         label = SILENCE if found[2].casefold() == REST_DRAWING else found[2]

@@ -49,6 +49,7 @@ def read_papagayo(source: TimingFile) -> Schedule:
     rows, spans = [], []
     for number, word in enumerate(words):
         following = words[number + 1].first if number + 1 < len(words) else float("inf")
+        # The last frame is shown whole, unless the next word begins on it.
         end = min(word.last + 1, max(following, word.last))
         spans.append(LabelRow(word.text, word.first, end, word.line))
         stops = [*(start for _, start, _ in word.starts[1:]), end]

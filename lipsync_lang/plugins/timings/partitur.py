@@ -36,6 +36,7 @@ def read_partitur(source: TimingFile) -> Schedule:
                 raise source.fault("a phone needs a start, a duration, a link and a label", number)
             start = source.time(parts[0], number)
             end = start + source.time(parts[1], number) + 1
+            # A phone of two words, or between them, goes to the first.
             link = re.split("[,;]", parts[2])[0]
             rows.append(LabelRow(parts[3], start, end, number))
             spans[link] = spans.get(link, rows[-1])._replace(end=end)

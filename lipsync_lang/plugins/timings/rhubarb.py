@@ -48,6 +48,7 @@ def read_rhubarb(source: TimingFile) -> Schedule:
         for number, found in source.matches(RHUBARB_LINE, "a time, a tab and a shape")
     ]
     stop = starts[-1][1] if starts else None
+    # The last line only ends the recording; its shape is never shown.
     rows, told = until_next(source, starts[:-1], rest="", end=stop)
     return shapes_of(source, rows, notation=RHUBARB_NOTATION, remarks=told)
 

@@ -109,6 +109,7 @@ def _numbered_rows(source: TimingFile, events: Sequence[Numbered]) -> list[Label
     start = 0.0
     for line, event in events:
         number = event["CurrentPhoneId"]
+        # In Python, True is in a range from 0, and so is 3.0.
         if isinstance(number, bool) or number not in range(LAST_ID + 1):
             what = f"{number!r} is not the number of a phoneme; they are 0 to {LAST_ID}"
             raise source.fault(what, line)

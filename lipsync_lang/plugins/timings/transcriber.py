@@ -41,6 +41,7 @@ def _parts(source: TimingFile, turn: Element) -> Iterator[tuple[int, LabelRow]]:
             yield from _rows(spoken, start, end)
             spoken, start, who = defaultdict(list), end, 0
         elif element.tag == "Who":
+            # Speakers are counted from 1 here, but their names stand in a list.
             who = max(round(source.time(element.get("nb"))) - 1, 0)
         inside = "" if element.tag == "Event" else element.text or ""
         spoken[who] += [inside, element.tail or ""]

@@ -163,6 +163,7 @@ def language_code(model: Any, stated: str, language: str) -> str:
     """
     code = stated.partition("-")[0].lower()
     known = model.supported_languages
+    # The library lists one hundred codes for any model of many languages, also those it lacks.
     if code in known and (len(known) == 1 or model.hf_tokenizer.token_to_id(f"<|{code}|>")):
         return code
     knows = f"only '{known[0]}'" if len(known) == 1 else f"{len(known)} others"
@@ -305,6 +306,7 @@ def _laid(heard: Sequence[Stretch], audio: Audio, speaker: "Speaker") -> Schedul
     pairs = [(part(audio, one), one.text) for one in heard]
     with progress.followed(lambda _: None):  # each stretch tells its own share
         found = [*align_many(speaker, pairs)]
+        # Aligners may differ between stretches; one schedule has one notation.
         if len({one.notation for one in found if isinstance(one, Schedule)}) > 1:
             found = [*align_many(speaker, pairs, aligner=speaker.manner.audio.align[0])]
     both = [*zip(heard, found, strict=True)]
