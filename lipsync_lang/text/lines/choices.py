@@ -89,6 +89,7 @@ def _branch(inner: str, values: Mapping[str, str]) -> str | None:
     smart = SMART_CHOICE.match(inner) if "|" in inner else None
     found = smart or INK_CHOICE.match(inner)
     head = found.end() if found else 0
+    # `{met: Hello}` is a choice without a bar; `{met}` and `{a:b}` are placeholders.
     if "|" not in inner and not (head and inner[:head].rstrip().endswith(":")):
         return None
     ways = _ways(inner[head:]) or [""]
@@ -136,6 +137,7 @@ def every_form(text: str, values: Mapping[str, str]) -> list[tuple[str, str]]:
             done.append((name, said))
         else:
             start, end, branches = choice
+            # The last one is taken first, so forms come in the order of the file.
             for form, branch in reversed(branches.items()):
                 named = f"{name}-{form.lstrip('=')}" if name else form.lstrip("=")
                 ahead.append((named, said[:start] + branch + said[end:], start))
@@ -193,6 +195,7 @@ def _of_icu(branches: str, name: str, values: Mapping[str, str]) -> str | None:
 def _fluent_variants(variants: str) -> tuple[dict[str, str], str]:
     """Return the variants of a Fluent selector by their names, and the name of the general one."""
     ends = _ends(variants)
+    # Names within inner braces are variants of inner selectors.
     inner = [range(start, end) for start, end in ends.items()]
     found = [
         one for one in FLUENT_VARIANT.finditer(variants)

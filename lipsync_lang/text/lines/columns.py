@@ -54,6 +54,7 @@ def head_row(rows: Sequence[Sequence[str]]) -> int:
 def first_column(head: Sequence[str], known: Sequence[str], taken: Collection[int] = ()) -> int:
     """Return the index of the column with the first known name, or -1."""
     found = [(name.strip(), at) for at, name in enumerate(head) if at not in taken]
+    # Of equal names the first column is to stay.
     folded = {name.casefold(): at for name, at in reversed(found)}
     return next((folded[name] for name in known if name in folded), -1)
 
@@ -114,6 +115,7 @@ def language_column(head: Sequence[str], names: Sequence[str]) -> int:
         regional = re.compile(re.escape(name) + _REGION)
         own = [at for at, form in enumerate(forms) if name in form]
         local = [at for at, form in enumerate(forms) if any(map(regional.fullmatch, form))]
+        # A region counts only if no column has the language alone; two columns leave it open.
         for at, *others in filter(None, (own, local)):
             if not others and _is_free(head, at):
                 return at

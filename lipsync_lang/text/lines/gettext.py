@@ -42,12 +42,14 @@ class Entry:
 def read(source: LineFile) -> Iterator[Line]:
     """Translations of gettext; untranslated entries give their originals."""
     if not source.encoding:
+        # A file that cannot be opened is reported below, in the words of all readers.
         with suppress(OSError), source.open() as stream:
             found = CHARSET.search(stream.read(4096))
             name = found[1].decode().lower() if found else "charset"
             # A template states the word "CHARSET"; UTF-8 unasked may begin with its mark.
             if name not in ("charset", "utf-8", "utf8"):
                 source = replace(source, encoding=name)
+    # A first pass, up to the first translation, tells whether the file has any.
     sound = (one for one in _entries(source) if one.texts.get("msgid") and not one.fuzzy)
     kind = "msgstr" if any(entry.forms("msgstr") for entry in sound) else "msgid"
     left, named = 0, source.speaker is None or source.speaker.isdecimal()

@@ -98,6 +98,7 @@ class JsonScript:
         own = next((one for one in JSON_SCRIPTS.values() if one.anywhere), None)
         if own is not None and document is not None and JSON_SUFFIX in own.suffixes:
             raise own.misfit(file)
+        # Timings are JSON, too; their reader names the fault of any other.
         return iter(LINE_READERS[SCHEDULE_FORMAT].read(source))
 
     def misfit(self, file: TimingFile) -> ScheduleError:
@@ -165,6 +166,7 @@ class _Search:
         names = list(value)
         at = language_column(names, self.source.names or [self.native])
         if at >= 0 and isinstance(value[names[at]], dict):
+            # The empty key is no part of a name, and yet a level of depth.
             yield from self.found(value[names[at]], (*keys, ""), within)
         elif not keys:  # a tree without languages
             for key, inner in value.items():
@@ -200,6 +202,7 @@ class _Search:
         """Return the line of the last key, which stands behind the entry before."""
         named = (key for key in reversed(keys) if key and not key.isdecimal())
         if self.lost < MAX_LOST_KEYS and (key := next(named, "")):
+            # Parsed JSON has no lines. Its keys come in the order of the file.
             found = self.file.text.find(f'"{key}"', self.at)
             self.lost = self.lost + 1 if found < 0 else 0
             if found >= 0:
@@ -216,6 +219,7 @@ def _text(value: Json, paths: str) -> str | None:
 
 def _is_tree(value: object, depth: int = 0) -> bool:
     """Return True if a value holds texts alone."""
+    # The walk through the file refuses what is deeper, with its line.
     if depth > MAX_ENTRY_DEPTH or isinstance(value, str) or value is None:
         return True
     inner = [*value.values()] if isinstance(value, dict) else value

@@ -52,6 +52,7 @@ def numbered(
         with opened() as stream:
             chosen = encoding or marked_encoding(stream.read(4)) or "utf-8-sig"
         with opened() as stream, TextIOWrapper(stream, chosen, newline=None) as text:
+            # A file without line ends must not fill the memory.
             lines = iter(partial(text.readline, MAX_LINE_CHARS), "")
             for number, line in enumerate(lines, 1):
                 if "\0" in line:
@@ -71,6 +72,7 @@ def numbered(
         raise LipsyncError(
             f"`encoding={encoding!r}`: unknown encoding; try utf-8, utf-16, cp1252 or shift_jis"
         ) from None
+    # ValueError: a path with a zero byte.
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
         raise LipsyncError(f"{path}: cannot be read: {why}; check the path") from None
@@ -341,6 +343,7 @@ def is_timed(source: LineFile, *, unreadable: bool = False) -> bool:
     from lipsync_lang.schedules.timing_file import HEAD_BYTES, MAX_TIMINGS_BYTES, TimingFile
     from lipsync_lang.schedules.timing_readers import TIMING_READERS
 
+    # Subtitles have times as well, but each of their cues is a line.
     kinds = [one for one in TIMING_READERS.ending(source.path) if not one.script]
     if not kinds:
         return False
@@ -400,6 +403,7 @@ def _read(files: Iterable[tuple[Path, bool]], stated: LineFile) -> Iterator[Line
                 form = LINE_READERS[SCHEDULE_FORMAT] if timed else _format_of(path)
             yield from form.read(source)
         except ScheduleError as error:
+            # A file that was named must be sound; one of a folder may be something else.
             if not among_others:
                 raise
             what = str(error).split("\n", 1)[0].removesuffix(":")

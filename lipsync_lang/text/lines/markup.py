@@ -315,6 +315,7 @@ def spoken(text: str, cleaning: Cleaning = AS_WRITTEN) -> SpokenText:
     again = spoken(found.text, cleaning) if twice else found
     if again.text == found.text:
         return found
+    # A gap moves with the text before it, which is cleaned alone for its length.
     gaps = {len(spoken(found.text[:gap], cleaning).text) for gap in found.gaps} | {*again.gaps}
     return SpokenText(again.text, found.dropped + again.dropped, tuple(sorted(gaps)), found.remarks)
 

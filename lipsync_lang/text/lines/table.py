@@ -110,6 +110,7 @@ class _RowLines(Iterator[str]):
 
     def __next__(self) -> str:
         if len(self.row) > MAX_CELL_LINES:
+            # As for a quote without its end, but before the whole file is read for one.
             raise csv.Error
         self.row.append(self._again.popleft() if self._again else next(self._lines))
         return f"{self.row[-1][1]}\n"
@@ -195,6 +196,7 @@ def _surplus(row: Sequence[str], head: Sequence[str], delimiter: str) -> str:
     """Describe cells without a column, such as those of a text with a delimiter."""
     if not any(one.strip() for one in row[len(head) :]):
         return ""
+    # In prose a space follows a comma: there the text was cut.
     cut = next((at for at, one in enumerate(row) if at and one.startswith(" ")), len(head))
     whole = delimiter.join(row[cut - 1 : cut + 1])[:MAX_CELL_EXAMPLE_CHARS]
     shown = "tab" if delimiter == "\t" else delimiter

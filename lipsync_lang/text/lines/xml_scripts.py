@@ -141,6 +141,7 @@ class _Element:
             return f"<{self.tag}/>"
         named = (self.attributes.get(name) for name in PLACEHOLDER_NAMES)
         name = next(filter(None, named), self.tag)
+        # `equiv-text` may have the placeholder itself, such as `%s`.
         return name if set("{}<>%[]$") & set(name) else f"{{{name}}}"
 
 
@@ -174,6 +175,7 @@ class _Parsing:
     def entries(self, text: str) -> Iterator[ScriptEntry]:
         """Yield the entries of a file in the language that is read, or in all if it has none."""
         parser = self.parser = expat.ParserCreate("utf-8")
+        # Without this, each row of a text comes alone.
         parser.buffer_text = True
         parser.StartElementHandler = self.start
         parser.EndElementHandler = self.end
@@ -181,6 +183,7 @@ class _Parsing:
         parser.StartDoctypeDeclHandler = self.doctype
         parser.SkippedEntityHandler = self.entity
         try:
+            # The text is decoded already; the encoding that it states no longer counts.
             parser.Parse(text.encode("utf-8", "replace"), True)  # noqa: FBT003
         except expat.ExpatError as error:
             what = f"not XML: {expat.ErrorString(error.code)}; correct the file, or export it again"
@@ -201,6 +204,7 @@ class _Parsing:
     def is_asked(self, language: str) -> bool:
         """Return True for the language that is read."""
         if language not in self.asked:
+            # As in the head of a table: regions and aliases count.
             self.asked[language] = language_column(["", language], self.source.names) > 0
         return self.asked[language]
 
@@ -210,6 +214,7 @@ class _Parsing:
         if self.depth > MAX_XML_DEPTH:
             what = f"is nested deeper than {MAX_XML_DEPTH} elements; check what wrote it"
             raise self.source.fault(self.parser.CurrentLineNumber, what)
+        # The prefix of a namespace is the choice of the program that wrote it.
         if ":" in tag:
             tag = tag[tag.find(":") + 1 :]
         if self.open:

@@ -51,6 +51,7 @@ def align(
     moves, lows = _moves(rows, columns, cost, alone)
     # Follow the cheapest path back from its end, and collect the pairs.
     found = [-1] * len(heard)
+    # Single places are read faster from bytes than from an array.
     table, width, starts = moves.tobytes(), moves.shape[1], lows.tolist()
     i, j = len(said), len(heard)
     while i or j:
@@ -99,5 +100,6 @@ def _moves(
         line[low + 1 : high + 2] = now
         move = moves[i, : high - low + 1]
         move[:] = np.where(up < both, _SAID, _BOTH)
+        # `gap` is taken off and added again, which rounds: equal costs are no longer equal.
         move[now < best - COST_TOLERANCE] = _HEARD
     return moves, lows

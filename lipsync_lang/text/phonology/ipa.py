@@ -190,6 +190,7 @@ class Features:
                 (groups[-1][2] if groups else first).append(token)
         for letter, before, after in groups:
             seen = letter if letter in kept else self.prefer.get(letter, letter)
+            # Marks go by the letter as it is written, even if it looks like another.
             sound = self._letters[letter]._replace(features=self._letters[seen].features)
             sounds += self._marked(sound, before, after, losses)
         if not sounds:
@@ -273,6 +274,7 @@ class Features:
         left: list[LetterSound] = []
         for sound in sounds:
             left.append(sound)
+            # A letter that goes leaves new neighbours.
             while len(left) > 1:
                 first, second = left[-2:]
                 if first.letter == second.letter and first.features == second.features:

@@ -125,6 +125,7 @@ class Notation:
             for label, value in self._exact.items():
                 self._folded.setdefault(label.casefold(), value)
         silent = frozenset(normalise(label).casefold() for label in self.silences)
+        # The class is frozen, and this follows from its fields.
         object.__setattr__(self, "_silent", silent)
 
     def find(self, label: str) -> Value | None:

@@ -206,6 +206,7 @@ class NearestPhonemes:
             for length in (n for n in sorted(self._runs) if n <= stop):
                 run = runs[stop - length : stop]
                 if run not in self._near:
+                    # Sums differ in their last digits by their order; rounded, a tie is a tie.
                     known = ((self.distance(run, e.run), e) for e in self._runs[length])
                     self._near[run] = min(known, key=lambda d: round(d[0], 9))
                 found = self._near[run]

@@ -86,6 +86,7 @@ class _WorkerStream:
         self.sizes: deque[int] = deque()
         """Size in bytes of each text that was sent and has no answer."""
         request, folder = process.request("speak_many", voice=voice, rate=rate)
+        # No pipe: nobody would read it, and a full one stops the worker.
         self.printed: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 closed with the stream
         try:
             self.worker = subprocess.Popen(  # noqa: S603 our own script, no shell
@@ -101,6 +102,7 @@ class _WorkerStream:
         self.ready.register(self.replies, selectors.EVENT_READ)
         try:
             self._begin(request, first)
+        # Also if the user interrupts: the worker must not outlive its stream.
         except BaseException:
             self.close()
             raise
@@ -164,6 +166,7 @@ class _WorkerStream:
     def _answer(self, text: str) -> WorkerReply | SpeechError:
         """Read the frames of a text: that of speech, if there is one, and that of its end."""
         seconds = self.process.limit([text])
+        # The alarm of the worker rings first, and costs this text alone.
         header, sound = self._frame(2 * seconds)
         end = header if "code" in header else self._frame(seconds)[0]
         said = str(end.get("said", "")).encode()
@@ -184,6 +187,7 @@ class _WorkerStream:
         line = json.dumps(request).encode("ascii") + b"\n"
         try:
             while line:
+                # A pipe without a buffer may take a part.
                 line = line[self.requests.write(line) or 0 :]
         except OSError:
             raise _WorkerLostError from None

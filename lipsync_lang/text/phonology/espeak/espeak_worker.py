@@ -151,6 +151,7 @@ def collect(library: ctypes.CDLL, text: str) -> tuple[int, list[list[Any]], byte
             number += 1
         return 0
 
+    # The name keeps it alive: Python does not know that the library calls it.
     callback = _CALLBACK(receive)
     library.espeak_SetSynthCallback(callback)
     raw = text.encode("utf-8") + b"\0"
@@ -166,6 +167,7 @@ def clauses(library: ctypes.CDLL, text: str, separator: str) -> list[str]:
     pointer = ctypes.c_void_p(ctypes.addressof(buffer))
     found: list[str] = []
     while pointer.value:
+        # Bits 8 to 23 of the mode are the separator (speak_lib.h).
         clause = library.espeak_TextToPhonemes(
             ctypes.byref(pointer), CHARS_UTF8, PHONEME_IPA | ord(separator) << 8
         )

@@ -130,6 +130,7 @@ class EspeakProcess:
             for header in headers[1:]:
                 yield [words_of(clause) for clause in header["clauses"]]
             if len(headers) != len(batch) + 1:
+                # It ended at the first text without an answer.
                 at = max(len(headers) - 1, 0)
                 raise SpeechError(ending(done.returncode, done.stderr, batch[at], voice))
 
@@ -160,6 +161,7 @@ class EspeakProcess:
     @property
     def command(self) -> list[str]:
         """The command line of the worker."""
+        # The standard library is enough; without the user's packages it starts faster.
         return [self.python, "-I", "-S", str(self.worker)]
 
     def request(

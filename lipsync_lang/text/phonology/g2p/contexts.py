@@ -134,6 +134,7 @@ def compile_context(text: str, *, precedes: bool) -> Context:
     folded = "".join(_folded(kind, part) for kind, part in parts)
     try:
         with warnings.catch_warnings():
+            # Python warns of expressions that its later versions will read otherwise.
             warnings.simplefilter("error")
             pattern = re.compile(folded, re.IGNORECASE)  # alone first: ")(" closes the group below
             if precedes:
@@ -257,6 +258,7 @@ def _repeated(item: _Cost, repeat: str) -> _Cost:
     times = SEEN_LETTERS if most is None else most
     if not item.group:  # letters run out
         times, least = min(times, SEEN_LETTERS), min(least, SEEN_LETTERS)
+    # Without this, the loop below counts to a number such as `{9999999}`.
     if times > MAX_MATCH_STEPS:
         return _Cost(_TOO_MANY, _TOO_MANY, item.group)
     steps = ways = 0

@@ -96,6 +96,7 @@ def corrector(corrections: Iterable[Correction]) -> Callable[..., SpokenWord]:
 
     @lru_cache(CACHED_WORDS)
     def corrected(said: SpokenWord, following: tuple[str, ...] = ()) -> SpokenWord:
+        # Most words have no label that is ever corrected.
         if not first.keys() & set(map(normalise, said.labels)):
             return said
         marks = said.stress or (None,) * len(said.labels)

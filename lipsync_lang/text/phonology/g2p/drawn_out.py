@@ -65,6 +65,7 @@ def lead_letters(word: str, vowels: str) -> int:
     """Return the number of letters before the first vowel; of a script without vowels, all."""
     letters = bare(word)
     for place, letter in enumerate(letters):
+        # The y of "yes" is a consonant.
         glide = not place and letter == "y" and letters[1:2] in vowels and len(letters) > 1
         if letter in vowels and not glide:
             return place
@@ -97,6 +98,7 @@ def drawn_out(token: str, ordinary: Mapping[str, str]) -> ElongatedWord | None:
         called = name(letter[0], "")
         syllable = called.startswith(SYLLABIC) and not called.endswith(_LONG_MARK)
         long.append(count >= DRAWN_LETTERS and letter.isalpha() and not syllable)
+    # `AAA` may be an abbreviation, and `000` is a number.
     if not any(long) or (len(runs) == 1 and (token.isupper() or not token[0].isalpha())):
         return None
     known = ordinary.get(_squeezed(plain(token)), "")

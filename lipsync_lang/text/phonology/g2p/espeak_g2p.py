@@ -146,6 +146,7 @@ def paired(
     spoken = [words for words in clauses if words]
     whole = [word for words in spoken for word in words]
     tokens = [token for part in written for token in part]
+    # The voice may cut clauses elsewhere, and still say the same words.
     if len(written) != len(spoken) and _matched(text, tokens, whole, lengths) is not None:
         spoken, written = [whole], [tokens]
     if len(written) != len(spoken):

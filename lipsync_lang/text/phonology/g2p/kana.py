@@ -76,6 +76,7 @@ def _read(sentence: str) -> list[tuple[str, str]]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of what it is made of, about each other
         try:
+            # Half of a surrogate pair has no UTF-8, which the dictionary takes.
             morphemes = reader.g2p_mapping(_SURROGATE.sub("\ufffd", sentence), **_MANNER)
         except ValueError:  # what it wrote cannot be traced back to the letters
             return [(sentence, str(reader.g2p(sentence, kana=True)).translate(_PLAIN_KANA))]

@@ -72,6 +72,7 @@ class Graphemes:
         spelled = _plain(word)
         parts = self._pattern.findall(f"{START}{spelled}{END}" if self._bounded else spelled)
         unread = [
+            # A mark is shown on its letter.
             normalize("NFC", before + part) if combining(part[0]) else part
             for before, part in pairwise(["", *parts])
             if part not in self.sounds and counts(part)
@@ -105,6 +106,7 @@ def profile_rows(path: Path, column: str = SOUNDS) -> Iterator[ProfileRow]:
     )
     places: list[int] = []
     first: dict[str, int] = {}
+    # Lines end as in all files; `splitlines` would also cut at rarer characters.
     for number, line in enumerate(StringIO(text, newline=None), start=1):
         if not line.strip():
             continue

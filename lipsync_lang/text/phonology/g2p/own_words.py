@@ -67,6 +67,7 @@ class OwnWords:
         self._small = {*prefixed, *(plain(word) for word in forms.words if not word[0].isupper())}
         self._endings = forms.endings
         lost = max(map(len, forms.endings), default=0)
+        # Most words begin like none of these; an ending may replace the last letters.
         self._starts = {word[: min(max(len(word) - lost, 1), 3)] for word in self._words}
         # an apostrophe or a hyphen may stand before an ending
         self._longest = 1 + max(

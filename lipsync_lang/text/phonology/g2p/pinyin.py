@@ -294,6 +294,7 @@ def _unmarked(word: str) -> tuple[str, dict[int, str]]:
     return re.sub("(?<=[jqxy])v", "u", "".join(letters)), marks
 
 
+# The cache also keeps a word from being cut in exponentially many ways.
 @lru_cache(10_000)
 def _cut(letters: str, start: int, *, loose: bool = False) -> tuple[tuple[int, int, int], ...]:
     """Cut letters into syllables: where each starts, its own letters end, and the next may start.

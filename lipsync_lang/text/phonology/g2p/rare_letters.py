@@ -70,6 +70,7 @@ class RareLetters:
         pairs = [(one, plainer(one)) for one in letters]
         self._known |= {one: one for one, _ in pairs}
         tried = [(one, other) for one, other in pairs if one != other]
+        # Within a word, because a letter alone is read by its name.
         words = list(dict.fromkeys(f"ta{one}a".lower() for pair in tried for one in pair))
         counts = dict(zip(words, self._read(words), strict=True)) if words else {}
         for letter, other in tried:

@@ -127,6 +127,7 @@ def engine(settings: Settings) -> G2PEngine:
             yield tuple(_read(text))
 
     def _read_word(word: str) -> SpokenWord:
+        # With readings, `_by_syllables` has asked the voice already.
         labels = () if settings.readings or len(word) == 1 else foreign(word)
         if labels and "-" in word:  # nag-upload
             return merged(word, [_read_word(part) for part in word.split("-") if part], word)

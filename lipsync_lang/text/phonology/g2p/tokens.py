@@ -59,6 +59,7 @@ class TextPiece(NamedTuple):
 
 def pieces(text: str) -> Iterator[TextPiece]:
     """Yield the words, pauses and symbols of a text in order; spaces and brackets are none."""
+    # Each class is one character, so places in the shape are places in the text.
     shape = "".join(map(_class, text))
     for found in _WORD_SHAPE.finditer(shape):
         start, end = found.span()

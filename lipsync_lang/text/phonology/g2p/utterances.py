@@ -128,7 +128,9 @@ class Utterances:
         tokens = list(pieces(text))
         own = self._own.found_in(text, tokens)
         expanded = [
-            one._replace(read=self._own.respelled(one.read)) for one in self._expansions.find(text)
+            # Expansions may have words of the pack in them.
+            one._replace(read=self._own.respelled(one.read))
+            for one in self._expansions.find(text)
         ]
         said, expanded = _beside_said(own.said, expanded)
         replaced = _apart(own.respelled, expanded)
@@ -189,6 +191,7 @@ class Utterances:
         """Return the part that begins with a word; None if the word is ordinary."""
         token = tokens[number]
         start, stop = token.start, token.start + len(token.text)
+        # Letters behind a number are a unit: `5 mm` is no "mm".
         counted = number and tokens[number - 1].text[-1].isdigit() and not token.text[0].isdigit()
         said = None if counted else self._interjections.find(token.text, shouted=shouted)
         if said is not None:
@@ -407,10 +410,12 @@ class Interjections:
         self._is_vowel, self._vowels = is_vowel, vowels
         self._known: dict[str, list[tuple[str, Interjection]]] = {}
         self._starts: set[str] = set()
+        # The longest first: `hmm` is no `hm` drawn out.
         for spelling, interjection in sorted(known.items(), key=lambda item: -len(item[0])):
             folded = plain(spelling)
             self._known.setdefault(folded[0], []).append((folded, interjection))
             letters = [letter for letter, _ in groupby(folded)]
+            # A first letter that is drawn out stands there twice.
             self._starts |= {folded[0] * 2, "".join(letters[:2])}
 
     def possible(self, token: str) -> bool:
