@@ -48,6 +48,7 @@ def with_changes(schedule: Schedule, changes: Sequence[PhonemeChange]) -> Schedu
     >>> with_changes(ll.Schedule(("M", "AA"), [0, 0.1, 0.3]), [(1, ["AA"], ["AH", "T"])]).labels
     ('M', 'AH', 'T')
     """
+    # From the last on, so that the numbers of those before still count.
     for first, was, now in reversed(changes):
         schedule = _changed(schedule, first, tuple(was), tuple(now))
     return schedule
@@ -111,6 +112,7 @@ def _changed(
     marks = schedule.stress[first:stop]
     known = dict(zip(was, marks, strict=False))
     usual = marks if len(was) == len(now) else (None,) * len(now)
+    # A label that stays keeps its stress, wherever it stands now.
     stress = tuple(known.get(label, mark) for label, mark in zip(now, usual, strict=False))
 
     def placed(of_each: tuple[Any, ...], own: tuple[Any, ...]) -> tuple[Any, ...]:

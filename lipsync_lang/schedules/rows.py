@@ -151,6 +151,7 @@ def schedule_of(  # noqa: PLR0913 optional parts of a format
         remarks=(*told, *overlaps.remarks()),
     )
     found = words_from_spans(schedule, [(row.label, row.start, row.end) for row in spans])
+    # Some files have pauses among their words.
     heard = [w for w in found if set(schedule.labels[w.first : w.stop]) != {SILENCE}]
     return replace(schedule, words=tuple(heard)) if heard else schedule
 

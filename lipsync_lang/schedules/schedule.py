@@ -120,6 +120,7 @@ class Schedule:
     def __post_init__(self) -> None:
         """Raise an error for faulty times, labels and words."""
         try:
+            # A copy, which the caller's array cannot change.
             times = np.array(self.times, dtype=np.float64)
         except (TypeError, ValueError, OverflowError):
             raise ScheduleError(f"{self.source}: boundaries must be numbers of seconds") from None
@@ -136,6 +137,7 @@ class Schedule:
             counts = f"{len(self.stress)} stresses for {len(self.labels)} phonemes"
             raise ScheduleError(f"{self.source}: {counts}; give each one")
         for number, one in enumerate(self.stress):
+            # True equals 1.
             if isinstance(one, bool) or one not in STRESSES:
                 what = f"stress is {one!r}; it is 0 (none), 1 (primary), 2 (secondary) or null"
                 raise ScheduleError(f"{self.source}: phoneme {number}: {what}")
@@ -271,6 +273,7 @@ def words_from_spans(
         if end < start:
             _check_length(here, start, end)
         first, stop = (int(i) for i in middles.searchsorted([start, end]))
+        # Words may overlap in a file; a phoneme belongs to one of them.
         if words:
             first = max(first, words[-1].stop)
         if text.strip() and first < stop:
@@ -320,6 +323,7 @@ def _check(source: str, labels: Sequence[str], times: npt.NDArray[np.float64]) -
     mend = "write times in seconds, not in milliseconds, samples or frames"
     if latest > MAX_SCHEDULE_SECONDS:
         raise ScheduleError(f"{source}: reaches {latest:g} s, more than a day; {mend}")
+    # No median is above the longest, so nearly all schedules are done here.
     if steps.max() <= MAX_MEDIAN_SECONDS:
         return
     sounds = steps[[label != SILENCE for label in labels]]

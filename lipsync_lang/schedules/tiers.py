@@ -131,6 +131,7 @@ def read_tiers(
     spans, tagged = _without_classes(source, words[0].rows if len(words) == 1 else ())
     sure = [tier for tier in own if tier.role == CONFIDENCE_TIER]
     used = (chosen, *(words if spans else ()), *sure)
+    # By identity, because two tiers may have equal names and rows.
     others = [tier for tier in tiers if tier.spoken and all(tier is not one for one in used)]
     if others and source.tier is None:
         told.append(f"{source.path}: skipped tiers: {_list(others)}")
@@ -175,6 +176,7 @@ def only(source: TimingFile, tiers: Sequence[Tier], what: str) -> Tier:
             found = found or [tier for tier in own if role.fullmatch(tier.role)]
     if not found:
         names = did_you_mean(str(source.tier), {tier.name for tier in tiers})
+        # Without a similar name the hint lists all, which may be hundreds.
         if names.startswith("known") and len(tiers) > MAX_NAMES:
             names = f"there is {_list(tiers)}"
         raise source.fault(f"no tier is named '{source.tier}'; {names}")

@@ -145,6 +145,7 @@ def _without_tags(words: list[LabelRow]) -> list[LabelRow]:
     """Return words without markup, which may be split at its spaces over several of them."""
     if not words:
         return []
+    # Each line end within a tag stays, so that every word keeps its label.
     text = SPEECH_TAG.sub(
         lambda tag: "\n" * tag[0].count("\n") or " ", "\n".join(row.label for row in words)
     )

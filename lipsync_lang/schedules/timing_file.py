@@ -81,13 +81,14 @@ class TimingFile:
             asked = encoding if self.encoding else "UTF-8 or UTF-16"
             mend = "save it as UTF-8, or name its encoding (`encoding='cp1252'`)"
             raise self.fault(f"is not {asked} text (byte {error.start}); {mend}", line) from None
-        except (LookupError, ValueError):
+        except (LookupError, ValueError):  # ValueError: a name with a zero byte
             what = f"unknown encoding '{encoding}'; try utf-8, utf-16, cp1252 or shift_jis"
             raise self.fault(what) from None
         if "\0" in text:
             line = text.count("\n", 0, text.index("\0")) + 1
             what = "has zero bytes, so it is not text; check the program that wrote it"
             raise self.fault(what, line)
+        # An encoding that states its byte order, such as `utf-16-le`, leaves the mark in the text.
         return re.sub(r"\r\n?", "\n", text.removeprefix("\ufeff"))
 
     @cached_property

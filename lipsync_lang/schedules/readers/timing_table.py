@@ -6,8 +6,9 @@ tab, comma, semicolon and bar in the first row. Decimals may have a comma. Optio
 
 - `word`, the word of a phoneme; successive rows with the same word are one word. Without labels,
   the rows are words,
-  An apostrophe before a formula, such as `'@`, is a spreadsheet's mark of text,
 - `type`, phone or word, `speaker`, and `confidence` of a word.
+
+An apostrophe before a formula, such as `'@`, is a spreadsheet's mark of text.
 """
 
 import csv
