@@ -364,5 +364,6 @@ def _starts(mark: SourceMark, lines: Sequence[str]) -> list[tuple[str, int, Sour
     columns = {at.column - 1 for at, _ in mark.inner.values()}
     rows = [row for _, row, _ in found]
     block = bool(found) and (mark.line, mark.column) == next(iter(mark.inner.values()))[0]
+    # Two keys on one line cannot be parted by lines.
     apart = block and len(columns) == 1 and rows == sorted(set(rows))
     return found if apart and not any(lines[row][: min(columns)].strip(" ") for row in rows) else []

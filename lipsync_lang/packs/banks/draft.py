@@ -80,6 +80,7 @@ def draft(first: list[Target], second: list[Target], *, exact: bool = False) -> 
     # Bounds move some values, and each round fits the others again.
     for _ in range(4):
         values = (values + fitted - values @ (curves @ solve)).clip(0, 1)
+        # A bigram begins and ends at rest, whatever the fit says.
         values[..., [0, -1]] = 0
     if exact:
         return values
@@ -122,6 +123,7 @@ def _fit() -> tuple[Floats, Floats, Floats]:
     """Return times (K,), the stiffened least-squares fit (K, n) and each point's curve (n, K)."""
     at = np.linspace(0, 1, 49)
     curves = shape(at)
+    # Second differences, which an even polygon does not have.
     bend = np.diff(np.eye(len(TIMES)), 2, axis=0)
     stiff = STIFFNESS * len(at) / len(TIMES) * bend.T @ bend
     return at, curves.T @ np.linalg.inv(curves @ curves.T + stiff), curves

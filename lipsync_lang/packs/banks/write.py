@@ -65,6 +65,7 @@ def write_drafts(library: "Library", drafts: BankBigrams, path: Path | None = No
     shared = Path("posesets") / drafts.poseset / "banks"
     target = path or shared / "common.yaml"
     make_room(target)
+    # By the end of the path, because the project may lie anywhere.
     unused = not target.exists() and target.absolute().parent.parts[-3:] != shared.parts
     new = add_bigrams(library, target, drafts)
     told = done(target, len(new), len(drafts.bigrams) - len(new), drafts.status)

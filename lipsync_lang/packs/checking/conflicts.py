@@ -179,6 +179,7 @@ def _together(poseset: Pack[PoseSet]) -> Iterator[Fault]:
             yield poseset.fault(loc, "P208", what, "raise the threshold, or lower the floors")
             continue
         ahead = _rank(model, one) - _rank(model, other)
+        # Opposite signs: the contact with the priority is not the one that is held last.
         if ahead * (places.index(some) - places.index(others)) < 0:
             first, last = (others, some) if ahead > 0 else (some, others)
             what = f"contacts '{first}' and '{last}' exclude each other, and '{first}' is held last"

@@ -79,6 +79,7 @@ def _written_forms(language: Pack[models.Language]) -> Iterator[Fault]:
             yield from _endings(language, table, rules, text)
     for table, full in tables.items():
         for number, words in full.items():
+            # In any order: faults are sorted at the end.
             for name in set(named_rules(words)) - tables.keys():
                 at = ("text", "number_rules", table, number)
                 yield language.unknown(at, "P236", "rules of numbers", name, tables)

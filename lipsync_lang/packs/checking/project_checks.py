@@ -26,6 +26,7 @@ def check_languages(project: "Pack[models.Project]", finder: Finder) -> "Iterato
         if not found and name.partition(":")[0] not in (IPA_ENGINES if ":" in name else ()):
             known = {one.name for one in finder.names("language")}
             yield project.unknown(loc, "P210", "language", name, known)
+        # The default language may be one of the list.
         elif len(loc) > 1 and (other := first.setdefault(own, name)) != name:
             hint = (
                 f"state it once; to make both, write a pack with a name of its own that states "

@@ -35,6 +35,7 @@ def descriptions(model: type[BaseModel]) -> dict[str, str]:
     without its source files has no docstrings to read.
     """
     found: dict[str, str] = {}
+    # From the base on: a class may describe an inherited field anew.
     for kind in reversed(model.__mro__):
         # base classes of pydantic have docstrings of their own
         if kind.__module__.startswith(__package__):

@@ -153,6 +153,7 @@ def _say(  # noqa: C901, PLR0911 one return for each family of errors
         form = "format: 1" if loc[-1] == "format" else f"{loc[-1]}: ..."
         meaning = _fields(model, loc).get(loc[-1], "")
         return "P102", f"missing field `{loc[-1]}`", f"add `{form}`: {meaning}".rstrip(": ")
+    # Pydantic also says "missing" of an item of a tuple, by its number.
     if sort in ("missing", "too_short", "too_long"):
         return _length(source, loc, report)
     if sort in _MUST:

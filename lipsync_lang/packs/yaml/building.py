@@ -90,6 +90,7 @@ def _text(path: Path, content: bytes) -> str:
     """Decode a file; raise `_StopError` at the first byte or character that is not text."""
 
     def stop(at: int, code: str, what: str, hint: str) -> _StopError:
+        # Columns count characters, not bytes.
         before = content[:at].decode("utf-8", "replace")
         line = before.count("\n") + 1
         column = len(before) - (before.rfind("\n") + 1) + 1
@@ -363,6 +364,7 @@ class _Builder:
 
     def _read(self, text: str) -> None:
         """Handle every event; add the place of the last event to an error without one."""
+        # By name, so that ruamel.yaml is imported only when a text is parsed.
         act = {
             "ScalarEvent": self._on_scalar,
             "SequenceStartEvent": lambda event: self._on_start(event, [], []),

@@ -93,6 +93,7 @@ def _parsed(text: str) -> Iterator[Event]:
     except MarkedYAMLError as error:
         mark = error.problem_mark
         if mark is not None and _WITHIN_A_WORD.match(text, mark.index):
+            # The other parser starts anew, and passes over what was given.
             yield from islice(_parsed_in_python(text), given, None)
             return
         yield from held

@@ -161,6 +161,7 @@ def same(one: Data, other: Data) -> bool:
         return list(one) == list(other) and all(same(one[key], other[key]) for key in one)
     if isinstance(one, tuple) and isinstance(other, tuple):
         return len(one) == len(other) and all(map(same, one, other))
+    # True equals 1 in Python, but not in YAML.
     return isinstance(one, bool) is isinstance(other, bool) and bool(one == other)
 
 
@@ -169,6 +170,7 @@ class _Edits:
 
     def __init__(self, text: str) -> None:
         self.text = text
+        # A file of Windows keeps its line ends.
         self.newline = "\r\n" if "\r\n" in text else "\n"
         self.found: list[tuple[int, int, str]] = []
 
@@ -354,6 +356,7 @@ class _Edits:
             made[key] if key in made else self.applied(entries[key].start, entries[key].value.end)
             for key in new
         ]
+        # The parts have the edits within them already.
         for entry in span.entries:
             self._drop(entry.start, entry.value.end)
         inside = (gap if gap.strip() == "," else ", ").join(parts)
@@ -417,6 +420,7 @@ class _Edits:
     def _insert_lines(self, at: int, lines: list[str]) -> None:
         new = "".join(f"{line}{self.newline}" for line in lines)
         if at == len(self.text) and self.text and not self.text.endswith("\n"):
+            # A text without a line end at its end gets none.
             new = self.newline + new.removesuffix(self.newline)
         self.put(at, at, new)
 
