@@ -61,6 +61,7 @@ def _worded(arguments: Sequence[str] | None) -> int:
         return FAULTS if of_packs else MISUSE
     except OSError as error:
         _discard_output()
+        # `os.getcwd` names no file in its error.
         if isinstance(error, FileNotFoundError) and error.filename is None:
             told = "the current folder no longer exists; change to another"
         else:
@@ -102,6 +103,7 @@ def _run(arguments: Sequence[str] | None) -> int:
             fill(options)
             return command(options)
     finally:
+        # Here, where a pipe that was closed is still an error with an answer.
         if sys.stdout is not None:
             sys.stdout.flush()
 

@@ -81,6 +81,7 @@ class Trial:
         rules = [Rule(r.spelling, r.to, r.before, r.after) for r in g2p.rules]
         rewriter = Rewriter(rules)
         texts = [test.text for test in self.pack.model.tests]
+        # Rules see the spelling that a respeller made, not the one of the test.
         texts += (word.respelled for heard in self.transcripts for word in heard.words)
         words = (piece.text for text in texts for piece in pieces(text))
         fired = {number for word in words for number, _, _ in rewriter.steps(word)}

@@ -199,6 +199,7 @@ def _voice(name: str, pack: "Pack[Language]") -> Iterator[CheckedPart]:
         there = tts.voice in known
         told = f"{tts.engine} {tts.voice}" if there else f"{tts.engine} has no voice '{tts.voice}'"
         yield CheckedPart(f"voice of {name}", OK if there else BROKEN, told)
+    # If the library is missing, the check of its extra says so.
     elif "espeakng_loader" not in {m for e in extras() for m in e.missing()}:
         faults = "; ".join(map(str, check_voices([pack])))
         yield CheckedPart(f"voice of {name}", BROKEN if faults else OK, faults or "found")
@@ -209,6 +210,7 @@ def _extras() -> Iterator[CheckedPart]:
     """Import the modules of each extra in a process of its own."""
     needed = _project_extras()
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        # Threads will do, because each waits for a process.
         for extra, part in zip(extras(), pool.map(_extra, extras()), strict=True):
             users = needed.get(extra.name)
             told = f"{part.told}, for {shortlist(users, SHOWN_NAMES)}" if users else part.told
@@ -327,6 +329,7 @@ def ffmpeg() -> Iterator[CheckedPart]:
         return
     try:
         done = subprocess.run(  # noqa: S603 the program that makes films
+            # ffmpeg takes commands from its input.
             [program, "-version"], capture_output=True, check=False, timeout=VERSION_SECONDS,
             stdin=subprocess.DEVNULL,
         )  # fmt: skip

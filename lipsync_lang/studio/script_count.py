@@ -38,6 +38,7 @@ MAX_SCRIPTS = 200
 MAX_FOLDERS = 2000
 """Maximum number of folders of a project to search for scripts."""
 
+# A workshop that ends takes its script along.
 _scripts: "WeakKeyDictionary[Workshop, ScriptCount]" = WeakKeyDictionary()
 
 
@@ -120,6 +121,7 @@ class _CountRun:
         if reading.cast:
             self.remarks.append(f"counts the lines that `cast` gives to {reading.character}")
         pages = Pages()
+        # A run that is dropped is closed by nobody else.
         finalize(self, pages.close)
         folder = f"{path.parent}{os.sep}"
         try:
@@ -241,6 +243,7 @@ class ScriptCount:
     ) -> CoverageReport | None:
         """Return the needs of the script from the open character; None without a count."""
         figures = None if self._run is None else self._run.figures
+        # After a change of language, the old count has other bigrams until `update` starts anew.
         if figures is None or figures.count.size != len(workshop.performer.compiled.counted):
             return None
         return report_of(workshop.performer, figures, minutes, "", sentences=sentences)

@@ -114,6 +114,7 @@ def _container(
     if first.kind != JSON_CHUNK:
         fail(path, "does not begin with JSON, which GLB requires")
     stream.seek(first.start)
+    # Chunks are filled up to four bytes, by some programs with zeros.
     return stream.read(first.length).rstrip(b"\0 "), tuple(rest)
 
 
@@ -124,6 +125,7 @@ def _seems(head: bytes) -> str:
         if head.lower().startswith(starts):
             return what
     lines = head.decode("latin-1").splitlines()
+    # The last line of the head may be cut.
     if lines[0].startswith(OBJ_LINES) and lines[-2:][0].startswith(OBJ_LINES):
         return "an OBJ file, which has no morph targets"
     return "something else"

@@ -230,6 +230,7 @@ def _shapes(path: Path, label: str, row: Json) -> tuple[str, ...]:
     count = next(iter(counts), 0)
     if not count or not primitives:
         return ()
+    # UniVRM names them in the first primitive.
     given = _target_names(row) or _target_names(primitives[0])
     names = [f"target {number}" for number in range(count)] if given is None else given
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):

@@ -109,6 +109,7 @@ def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
     sensed = np.where(np.isfinite(table), table, np.nan)
     if readout.lost is not None:
         sensed[sensed == readout.lost] = np.nan
+    # NaN, a lost sensor, is beyond nothing.
     beyond = (np.abs(sensed) > MAX_SENSED).any(axis=1)
     if beyond.any():
         raise AnimationError(
@@ -233,6 +234,7 @@ def _measured(performer: Performer, path: Path, sensed: SensorSignals) -> Captur
     gains = np.array([[known[s].get(pose, 0.0) for pose in performer.poses] for s in signals])
     times, _ = even_times(str(path), sensed.times)
     values = sensed.values[:, used]
+    # Times that are even already come back as they are.
     if times is not sensed.times:
         values = resampled(times, sensed.times, values)
     other = [name for name in sensed.measures if name not in known]

@@ -154,6 +154,7 @@ def _unlike_the_others(kept: list[tuple[CapturedLine, ClockReading | None]]) -> 
 def _judged(performer: Performer, line: CapturedLine) -> tuple[CapturedLine, ClockReading | None]:
     """Return a corrected line with its clock; raise an error for an unsound line."""
     fps = 1 / float(np.median(np.diff(line.times)))
+    # Film's 24 is 23.976 on video.
     if fps < LEAST_CAPTURE_FPS * 0.99:
         raise AnimationError(
             f"has {fps:.3g} frames per second, too few for closures of the lips; record at least "
@@ -199,7 +200,9 @@ def _speech(performer: Performer, line: CapturedLine) -> Bools:
 def _without_stuck(performer: Performer, line: CapturedLine) -> CapturedLine:
     """Mark samples as lost if all signals stand still during speech."""
     speech = _speech(performer, line)
+    # A sample is compared with the one before, which the first lacks.
     same = np.append(False, (np.diff(line.values, axis=0) == 0).all(axis=1)) & speech
+    # With a 0 at both ends, starts and stops take turns.
     edges = np.flatnonzero(np.diff(np.concatenate(([0], same, [0]))))
     values = line.values.copy()
     fps = 1 / float(np.median(np.diff(line.times)))

@@ -195,6 +195,7 @@ class _ClusterRun:
         try:
             while True:
                 if time.monotonic() - self._counted > COUNT_SECONDS:
+                    # The scheduler may be away for a while; the last number serves meanwhile.
                     with suppress(OSError, ValueError):
                         self._room = BUSY_BATCHES * max(1, len(self._client.nthreads()))
                     self._counted = time.monotonic()

@@ -218,6 +218,7 @@ class _Script:
         call = node.value
         if not isinstance(call, ast.Call):
             return isinstance(call, ast.Constant) and isinstance(call.value, str)
+        # By the last part alone: scripts may give the manager any name.
         match _called(call):
             case "createDiphone":
                 self._create(call)
@@ -411,6 +412,7 @@ class _Export:
                         shown = visible("-".join(pair))
                         what = f"{shown} is repeated, from another set; the first is kept"
                         self.remarks.add("twice", self.file, number, what)
+                    # The shapes of a repeated pair are read into `now`, and go with it.
                     self.pairs.setdefault(pair, self.now)
                 case ["Shape", *words] if self.now is not None:
                     self._shape(number, self.now, words)

@@ -176,6 +176,7 @@ class _Sorting:
             reason, words = "other study", f"it belongs to study {_shown(data.get('study'))}"
         elif data.get("consent") is not True:
             reason, words = "no consent", "its consent is not true"
+        # Two questions for each pair.
         elif not isinstance(given, list) or len(given) > 2 * MAX_PAIRS:
             reason, words = "no answers", "its answers are not a list, or too many"
         elif not name:

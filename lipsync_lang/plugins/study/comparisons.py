@@ -172,6 +172,7 @@ def cells(choices: Sequence[Choice]) -> Iterator[tuple[str, str, list[Choice]]]:
         asked = [one for one in choices if one.question == question]
         for character in characters:
             yield question, character, [one for one in asked if one.character == character]
+        # Of one character, all together would be the same figures again.
         if len(characters) > 1:
             yield question, ALL_CHARACTERS, asked
 
@@ -246,6 +247,7 @@ def mean_strength(choices: Iterable[Choice]) -> MeanStrength | None:
     mean = sum(map(sum, by_rater.values())) / number
     if len(by_rater) == 1:
         return MeanStrength(number, mean, None)
+    # Raters give different numbers of answers, so the mean is a ratio: residuals, not means, vary.
     off = _variance([sum(given) - mean * len(given) for given in by_rater.values()], number)
     half = t_quantile(len(by_rater) - 1) * sqrt(off)
     return MeanStrength(number, mean, Interval(mean - half, mean + half))
@@ -269,6 +271,7 @@ def clustering(choices: Sequence[Choice], first: str) -> Clustering:
     effective = float(raters)
     if 0 < share < 1:
         off = [sum(given) - share * len(given) for given in by_rater.values()]
+        # Beside the variance of independent choices, share (1 - share) / number.
         effect = _variance(off, number) * number / (share * (1 - share))
         size = sum(len(given) ** 2 for given in by_rater.values()) / number
         correlation = (effect - 1) / (size - 1) if size > 1 else None
@@ -303,5 +306,6 @@ def agreement(choices: Iterable[Choice]) -> Agreement | None:
     )
     totals: Counter[str] = sum(judged, Counter())
     chance = number**2 - sum(count**2 for count in totals.values())
+    # If all choices are the same, chance agrees as well.
     alpha = 1 - (number - 1) * apart / chance if chance else None
     return Agreement(len(judged), 100 * (1 - apart / number), alpha)

@@ -177,6 +177,7 @@ def read_study(path: Path) -> Study:
 
 def study_digest(contents: object) -> str:
     """Return the digest of a study's contents, given as JSON data."""
+    # Sorted, so that equal contents have one digest.
     text = json.dumps(contents, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return blake2b(text.encode(), digest_size=STUDY_DIGEST_BYTES).hexdigest()
 

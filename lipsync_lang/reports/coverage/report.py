@@ -354,6 +354,7 @@ class Coverage(Fact):
     def to_dict(self) -> dict[str, Any]:
         """Return the document as plain JSON data."""
         data = self.model_dump(mode="json", exclude={"since"} if self.since is None else None)
+        # As the user wrote it: 15, and not 15.0.
         if self.minutes.is_integer():
             data["minutes"] = int(self.minutes)
         return data
@@ -367,5 +368,6 @@ def labelled(language: str, column: str) -> str:
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of the document."""
     made = Coverage.model_json_schema(mode="serialization")
+    # A document that is compared with none has no such field.
     made["required"] = [name for name in made["properties"] if name != "since"]
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **made}

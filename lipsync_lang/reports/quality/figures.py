@@ -49,6 +49,7 @@ class Figure(NamedTuple):
         """False if the value exceeds its limit."""
         if self.value is None or self.limit is None:
             return True
+        # The last term is for limits of 0.
         return self.value <= self.limit * (1 + LIMIT_TOLERANCE) + 1e-9
 
     @property

@@ -113,6 +113,7 @@ def seen_flaps(scene: MeasuredScene) -> Iterable[list[Figure]]:
         meant = mouth.seen.consonants[scene.ids[own]] & np.isfinite(mouth.filmed[own])
         if meant.sum() < LEAST_SOUNDS:
             return unjudged(f"fewer than {LEAST_SOUNDS} consonants")
+        # The middle of a last sound may lie behind the last frame.
         aperture = mouth.aperture[np.minimum(middles[own], span.stop - 1)]
         far = meant & (aperture - mouth.filmed[own] > FLAP * mouth.seen.reach)
         told = {
@@ -140,6 +141,7 @@ def seen_gaps(scene: MeasuredScene) -> Iterable[list[Figure]]:
         meant = asked[own] & (mouth.filmed[own] == 0)
         if not meant.any():
             return unjudged("no sound of the line shuts the lips")
+        # The lowest is the highest of the opposite.
         least = -scene.highest(-mouth.aperture)[own]
         apart = meant & ~(least <= SLIT)
         told = {own.start + n: f"leaves the lips {least[n]:.2f} apart" for n in apart.nonzero()[0]}

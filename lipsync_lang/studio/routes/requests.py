@@ -43,6 +43,7 @@ class StudioRequest:
         """Content as a JSON object; raises LipsyncError if it is none."""
         try:
             found = json.loads(self.content or b"{}", parse_constant=_refuse_constant)
+            # Through text again, because escapes may spell half a character at any depth.
             found = json.loads(_valid(json.dumps(found, ensure_ascii=False)))
         except (ValueError, RecursionError):
             found = None
@@ -138,6 +139,7 @@ def listed(value: Any, what: str) -> list[Any]:
 
 def sent_file(request: StudioRequest, folder: Path) -> Path:
     """Write a sent file into a folder, under the last part of its name."""
+    # A browser on Windows may send a whole path.
     name = PurePath(request.query.get("name", "").replace("\\", "/")).name
     if not name or name in {".", ".."} or not name.isprintable():
         raise LipsyncError("the file has no name")

@@ -95,6 +95,7 @@ def _next(report: CoverageReport, minutes: float) -> Iterator[str]:
     soon = report.next_hour.bigrams
     if soon:
         spent = len(soon) * minutes
+        # What is left may take less than the hour.
         within = "an hour" if len(soon) < report.left.bigrams else f"{spent:g} minutes"
         yield (
             f"next: draw {count(len(soon), 'bigram')} in {within}, {minutes:g} minutes each, for "
