@@ -4,8 +4,8 @@ import json
 import struct
 
 
-def glb(path, *shapes, bones=(), **meshes):
-    """Write a model: the shapes of one mesh, or of several by name, and bones."""
+def glb(path, *shapes, bones=(), extensions=None, **meshes):
+    """Write a model: the shapes of one mesh, or of several by name, bones, and extensions."""
     points = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
     accessor = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}
     named = {**({"head": shapes} if shapes else {}), **meshes}
@@ -20,6 +20,7 @@ def glb(path, *shapes, bones=(), **meshes):
             *({"name": name} for name in bones),
         ],
         "scenes": [{"nodes": [*range(len(named) + len(bones))]}],
+        "extensions": extensions or {},
     }
     text = json.dumps(document).encode()
     text += b" " * (-len(text) % 4)

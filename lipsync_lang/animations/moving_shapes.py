@@ -1,7 +1,7 @@
 """Blend shapes moved by an animation, by mesh, with the names used in the model."""
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -11,6 +11,8 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.fixed import shape_columns, shapes_from_zero
 from lipsync_lang.animations.keys import KeyedCurve
 from lipsync_lang.base.arrays import Floats
+from lipsync_lang.faces.rigs.channel import Channel
+from lipsync_lang.faces.rigs.expressions import shutting
 from lipsync_lang.faces.rigs.model import Mesh, Model, is_index, known_model
 from lipsync_lang.faces.rigs.shape_matching import on_mesh
 
@@ -33,6 +35,7 @@ def shapes(animation: Animation) -> list[MovingShape]:
     With a known model, the result lists its shapes mesh by mesh, in the spelling of the model.
     Otherwise each column is one shape. The larger of two columns for one shape is used.
     """
+    animation = unbound(animation)
     columns: dict[tuple[str, str], list[int]] = defaultdict(list)
     for mesh, name, column in on_model(animation):
         columns[mesh, name].append(column)
@@ -78,21 +81,67 @@ def in_words_of_model(animation: Animation) -> Animation:
     A column that moves several shapes is repeated. Of two columns for one shape, the larger value
     is kept. Bones, and columns without a shape, keep their names.
     """
-    if animation.model is None or animation.export.pose_names:
+    return animation if animation.export.pose_names else _by_shapes(animation)
+
+
+def unbound(animation: Animation) -> Animation:
+    """Return the shapes that the expressions of an avatar move, if any column is an expression."""
+    if animation.model is None:
         return animation
-    own: dict[int, dict[str, None]] = defaultdict(dict)
+    bones = any(channel.node is not None for channel in animation.columns)
+    meshes = known_model(animation.model, bones=bones).meshes
+    bound = any(mesh.binds and on_mesh(animation.columns, mesh).bound for mesh in meshes)
+    return _by_shapes(animation) if bound else animation
+
+
+def expressions(animation: Animation) -> tuple[str, ...]:
+    """Return the names of the avatar's expressions that move shapes; none for another model."""
+    if animation.model is None:
+        return ()
+    meshes = known_model(animation.model, bones=True).meshes
+    return tuple(dict.fromkeys(name for mesh in meshes for name, _, _ in mesh.binds))
+
+
+def shutting_expressions(animation: Animation) -> frozenset[str]:
+    """Return the expressions of the avatar at which players shut a mouth that speaks."""
+    if animation.model is None:
+        return frozenset()
+    return shutting(known_model(animation.model, bones=True).document)
+
+
+def _by_shapes(animation: Animation) -> Animation:
+    if animation.model is None:
+        return animation
+    own: dict[int, dict[str, float | None]] = defaultdict(dict)
     for mesh in known_model(animation.model, bones=True).meshes:
-        for column, names in on_mesh(animation.columns, mesh).shapes.items():
-            own[column].update(dict.fromkeys(names))
+        on = on_mesh(animation.columns, mesh)
+        for column, names in on.shapes.items():
+            own[column] |= dict.fromkeys(names) | on.bound.get(column, {})
     kept = {pose for column, pose in enumerate(animation.poses) if column not in own}
-    columns: dict[str, list[int]] = defaultdict(list)
+    sources: dict[str, list[tuple[int, float | None]]] = defaultdict(list)
     for column, pose in enumerate(animation.poses):
-        for name in [name for name in own.get(column, ()) if name not in kept] or [pose]:
-            columns[name].append(column)
-    if tuple(columns) == animation.poses:
-        return animation
-    values = [animation.weights[:, some].max(axis=1) for some in columns.values()]
-    return replace(animation, poses=tuple(columns), weights=np.column_stack(values), channels=())
+        shapes = {name: weight for name, weight in own.get(column, {}).items() if name not in kept}
+        for name, weight in (shapes or {pose: None}).items():
+            sources[name].append((column, weight))
+    known = dict(zip(animation.poses, animation.columns, strict=True))
+    floors = {
+        name: max(animation.contacts.get(animation.poses[column], 0.0) for column, _ in some)
+        for name, some in sources.items()
+    }
+    return replace(
+        animation,
+        poses=tuple(sources),
+        weights=np.column_stack([_moved(animation.weights, some) for some in sources.values()]),
+        channels=tuple(known[name] if name in kept else Channel(name) for name in sources),
+        contacts={name: floor for name, floor in floors.items() if floor},
+    )
+
+
+def _moved(values: Floats, sources: Sequence[tuple[int, float | None]]) -> Floats:
+    """Return a shape's (T,): the largest of the columns that are it, and the sum of its binds."""
+    whole = [values[:, column] for column, weight in sources if weight is None]
+    bound = [values[:, column] * weight for column, weight in sources if weight is not None]
+    return np.max([*whole, np.sum(bound, axis=0)] if bound else whole, axis=0)
 
 
 def _label(model: Model, mesh: Mesh) -> str:

@@ -1,4 +1,4 @@
-// Print what other programs read in a file: node avatars.mjs NODE_MODULES vrma|live2d|spine FILE SECONDS...
+// Print what other programs read in a file: node avatars.mjs NODE_MODULES vrma|avatar|live2d|spine FILE SECONDS...
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { pathToFileURL } from "node:url";
@@ -8,18 +8,45 @@ const times = seconds.map(Number);
 const require = createRequire(`${modules}/`);
 const load = (name) => import(pathToFileURL(require.resolve(name)).href);
 
-/** Weights of each expression at the times, as three-vrm-animation reads them. */
-async function vrma() {
+/** Contents of a glTF file, as three reads it with a plug-in. */
+async function gltf(path, Plugin) {
   globalThis.self = globalThis;
   console.warn = () => {};     // of hips, which an animation of a face does not have
   const { GLTFLoader } = await load("three/addons/loaders/GLTFLoader.js");
-  const { VRMAnimationLoaderPlugin } = await import(
-    pathToFileURL(`${modules}/@pixiv/three-vrm-animation/lib/three-vrm-animation.module.js`).href);
   const loader = new GLTFLoader();
-  loader.register((parser) => new VRMAnimationLoaderPlugin(parser));
-  const bytes = readFileSync(file);
+  loader.register((parser) => new Plugin(parser));
+  const bytes = readFileSync(path);
   const whole = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length);
-  const [read] = (await loader.parseAsync(whole, "")).userData.vrmAnimations;
+  return loader.parseAsync(whole, "");
+}
+
+const pixiv = (name) => import(
+  pathToFileURL(`${modules}/@pixiv/${name}/lib/${name}.module.js`).href);
+
+/** Animation in a `.vrma`, as three-vrm-animation reads it. */
+async function animationOf(path) {
+  const { VRMAnimationLoaderPlugin } = await pixiv("three-vrm-animation");
+  return (await gltf(path, VRMAnimationLoaderPlugin)).userData.vrmAnimations[0];
+}
+
+/** Weights of the shapes of an avatar at the times, as its expressions move them by the `.vrma` beside it. */
+async function avatar() {
+  const { VRMExpressionLoaderPlugin } = await pixiv("three-vrm-core");
+  const { scene, userData } = await gltf(file, VRMExpressionLoaderPlugin);
+  const { preset, custom } = (await animationOf(file.replace(/\.vrm$/, ".vrma"))).expressionTracks;
+  const played = [...preset, ...custom].map(([name, track]) => [name, track.createInterpolant()]);
+  const meshes = [];
+  scene.traverse((one) => one.morphTargetInfluences && meshes.push(one));
+  return times.map((time) => {
+    for (const [name, mixed] of played) userData.vrmExpressionManager.setValue(name, mixed.evaluate(time)[0]);
+    userData.vrmExpressionManager.update();
+    return [...meshes[0].morphTargetInfluences];
+  });
+}
+
+/** Weights of each expression at the times, as three-vrm-animation reads them. */
+async function vrma() {
+  const read = await animationOf(file);
   const rows = (tracks) => Object.fromEntries([...tracks].map(([name, track]) => {
     const mixed = track.createInterpolant();
     return [name, times.map((time) => mixed.evaluate(time)[0])];
@@ -72,4 +99,4 @@ async function spine() {
   return { version: data.version, name: line.name, duration: line.duration, names };
 }
 
-console.log(JSON.stringify(await { vrma, live2d, spine }[kind]()));
+console.log(JSON.stringify(await { vrma, avatar, live2d, spine }[kind]()));

@@ -6,12 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import test_avatar_expressions
 from lanes import full
 from test_consumers import HERE, WARNING, found, run
 
 import lipsync_lang as ll
 from lipsync_lang.animations.held import held
 from lipsync_lang.animations.keys import ERROR
+from lipsync_lang.animations.moving_shapes import unbound
 
 pytestmark = full
 
@@ -41,6 +43,19 @@ def test_three_vrm_reads_the_expressions(tmp_path, character, kind):
     assert [name for name, own in shown.items() if own] == [kind]
     for pose in animation.poses:
         np.testing.assert_allclose(shown[kind][pose], animation[pose], atol=ERROR + 1e-4)
+
+
+@pytest.mark.parametrize("version", ["vrm1", "vrm0"])
+def test_an_avatar_moves_in_three_vrm_as_in_our_own_files(tmp_path, version):
+    path = getattr(test_avatar_expressions, version)(tmp_path / "face.vrm")
+    animation = ll.resolve("english", path).perform(SCHEDULE, fps=60)
+    animation.save(tmp_path / "face.vrma")
+    shown = read("@pixiv/three-vrm-animation", "avatar", path, animation.timeline)
+    moved = unbound(animation)
+    wanted = np.column_stack([moved[name] for name in test_avatar_expressions.SHAPES])
+    assert wanted.max(axis=0).min() > 0.1
+    # Each of the expressions that share a shape has its own error.
+    np.testing.assert_allclose(shown, wanted, atol=2 * ERROR)
 
 
 def test_three_vrm_turns_the_head_forward_by_a_nod(tmp_path):

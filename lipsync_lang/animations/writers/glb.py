@@ -25,6 +25,7 @@ import numpy.typing as npt
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import binary_writer
 from lipsync_lang.animations.keys import fit, margin, needed
+from lipsync_lang.animations.moving_shapes import unbound
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.base.json_object import Json
@@ -99,6 +100,7 @@ _placing = lru_cache(maxsize=64)(on_mesh)
 @binary_writer("glb", suffix=".glb", remarks=unplaced, refuse=animated_model)
 def write_glb(animation: Animation, out: BinaryIO) -> None:
     """The character's 3D model with the animation added, all else in it kept."""
+    animation = unbound(animation)
     channels, model = animation.columns, animated_model(animation)
     times = animation.timeline.astype("<f4")
     # glTF wants rising times; close frames may be the same number in single precision.

@@ -15,6 +15,7 @@ from typing import NoReturn, TypeGuard
 
 from lipsync_lang.base.errors import shortlist
 from lipsync_lang.base.json_object import Json
+from lipsync_lang.faces.rigs import expressions
 from lipsync_lang.faces.rigs.container import EXPORT, Chunk, fail, open_model
 
 GLTF_LISTS = ("accessors", "animations", "buffers", "bufferViews", "images", "meshes", "nodes")
@@ -41,6 +42,8 @@ class Mesh:
     given: str | None
     shapes: tuple[str, ...]
     rest: tuple[float, ...]
+    binds: tuple[tuple[str, str, float], ...] = ()
+    """Expressions of an avatar, each with a shape of this mesh and its weight."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +203,7 @@ def _meshes(path: Path, document: Json, *, bones: bool) -> tuple[Mesh, ...]:
     names = [row.get("name", "") for row in rows]
     if not all(isinstance(name, str) for name in names):
         fail(path, "the name of a mesh is not text")
-    taken = Counter(names)
+    taken, bound = Counter(names), [*expressions.binds(document)]
     labels = [
         (name if taken[name] == 1 else f"{name} (mesh {number})") if name else f"mesh {number}"
         for number, name in enumerate(names)
@@ -212,7 +215,12 @@ def _meshes(path: Path, document: Json, *, bones: bool) -> tuple[Mesh, ...]:
             rest = (0.0,) * count
             if given is not None:
                 rest = numbers(path, f"weights of '{label}'", given, count)
-            found.append(Mesh(number, label, row.get("name"), shapes, rest))
+            binds = tuple(
+                (bind.expression, shapes[bind.target], bind.weight)
+                for bind in bound
+                if bind.mesh == number and is_index(bind.target, count)
+            )
+            found.append(Mesh(number, label, row.get("name"), shapes, rest, binds))
     if not found and not bones:
         mend = "export it with its shape keys (blend shapes)"
         fail(path, f"no mesh has morph targets (meshes: {some(labels)})", mend)

@@ -10,6 +10,7 @@ Names may promise what a mesh does not keep. Shapes that move no point are left 
 that opens the mouth comes before all that hardly do.
 """
 
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, cast
@@ -121,6 +122,8 @@ class ChannelPlaces:
     """Shape without a side -> the left and right channels that share it."""
     doubts: tuple[str, ...] = ()
     """Descriptions of ambiguous matches."""
+    bound: dict[str, dict[str, float]] = field(default_factory=dict)
+    """Found channel -> the weights of its shapes, where an expression of an avatar binds them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,8 +219,11 @@ def find(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
     places: dict[str, dict[str, None]] = {}
     shared: dict[str, tuple[str, ...]] = {}
     doubts: dict[str, None] = {}
+    bound: dict[str, dict[str, float]] = defaultdict(dict)
     for mesh in model.meshes:
         on = on_mesh(channels, mesh)
+        for number, weights in on.bound.items():
+            bound[channels[number].name].update(weights)
         for number, shapes in on.shapes.items():
             places.setdefault(channels[number].name, {}).update(dict.fromkeys(shapes))
         for shape, numbers in on.shared.items():
@@ -233,7 +239,8 @@ def find(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
     for channel in channels:
         if channel.node in model.nodes:
             places[channel.name] = {str(channel.node): None}
-    return ChannelPlaces({name: (*own,) for name, own in places.items()}, shared, (*doubts,))
+    found = {name: (*own,) for name, own in places.items()}
+    return ChannelPlaces(found, shared, (*doubts,), bound)
 
 
 def mouth_gains(channels: Sequence[Channel], model: Model) -> Floats | None:
@@ -245,12 +252,14 @@ def mouth_gains(channels: Sequence[Channel], model: Model) -> Floats | None:
     moved, bones = measured(model), any(channel.node is not None for channel in channels)
     if not moved or bones:
         return None
-    places = find(channels, model).places
+    found = find(channels, model)
     gains = np.zeros((len(models.MOUTH_MEASURES), len(channels)))
     for number, channel in enumerate(channels):
-        for shape in places.get(channel.name, ()):
+        weights = found.bound.get(channel.name, {})
+        for shape in found.places.get(channel.name, ()):
             if shape in moved:
-                gains[:, number] += [getattr(moved[shape], name) for name in models.MOUTH_MEASURES]
+                does = [getattr(moved[shape], name) for name in models.MOUTH_MEASURES]
+                gains[:, number] += weights.get(shape, 1.0) * np.array(does)
     return gains
 
 

@@ -13,6 +13,9 @@ available to other channels.
 6. shared: both channels of a pair move one shape, with the larger of their values. This is only
    approximate and therefore reported (`Placement.shared`).
 
+Last come the expressions of an avatar (`expressions.py`). A channel that finds no shape by its
+name, or one that the expression of its name binds, moves all that this expression binds.
+
 Only the channels of a pair can share a shape. Alternative spellings, patterns and sides can assign
 several shapes to a channel; its own name assigns one. Among several candidates the first is taken,
 with a report in `Placement.doubts`.
@@ -61,6 +64,8 @@ class Placement:
     """Shape without a side -> numbers of the left and right channels that share it."""
     doubts: list[str] = field(default_factory=list)
     """Descriptions of ambiguous assignments."""
+    bound: dict[int, dict[str, float]] = field(default_factory=dict)
+    """Channel number -> the weights of its shapes, where an expression of an avatar binds them."""
 
 
 def placed(channels: Sequence[Channel], shapes: Sequence[str]) -> Placement:
@@ -91,6 +96,13 @@ def on_mesh(channels: Sequence[Channel], mesh: Mesh) -> Placement:
         found.shapes.update({numbers[n]: shapes for n, shapes in more.shapes.items()})
         found.shared.update({s: [numbers[n] for n in own] for s, own in more.shared.items()})
         found.doubts.extend(more.doubts)
+    stated: dict[str, dict[str, float]] = defaultdict(dict)
+    for expression, shape, weight in mesh.binds:
+        stated[expression][shape] = weight
+    for number, (name, *_) in placed(channels, [*stated]).shapes.items():
+        own = found.shapes.get(number, [])
+        if not own or stated[name].keys() & set(own):
+            found.shapes[number], found.bound[number] = [*stated[name]], stated[name]
     return found
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from lipsync_lang.animations.fixed import boneless, shape_columns
 from lipsync_lang.animations.keys import ERROR
-from lipsync_lang.animations.moving_shapes import on_model
+from lipsync_lang.animations.moving_shapes import on_model, unbound
 from lipsync_lang.animations.writers import Animation, template, writer
 from lipsync_lang.base.arrays import Floats
 
@@ -27,6 +27,7 @@ FIRST = 1
 @writer("blender", suffix=".py", remarks=partial(boneless, program="Blender"))
 def write_blender(animation: Animation, out: TextIO) -> None:
     """A script for Blender's text editor: keyframes of shape keys."""
+    animation = unbound(animation)
     curves, on_meshes = animation.keyframes(ERROR), on_model(animation)
     rate = max(1, round(animation.fps))
     channels: list[dict[str, object]] = []

@@ -18,6 +18,7 @@ import numpy as np
 
 from lipsync_lang.animations.fixed import names, shape_columns, shapes_from_zero
 from lipsync_lang.animations.keys import ERROR, KeyedCurve, needed
+from lipsync_lang.animations.moving_shapes import expressions, shutting_expressions
 from lipsync_lang.animations.writers import Animation, binary_writer
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.json_object import Json
@@ -40,8 +41,14 @@ TURN_ERROR = 0.001
 def without_presets(animation: Animation) -> Iterator[str]:
     """Yield warnings about what a `.vrma` cannot hold, and about poses that are no presets."""
     yield from shapes_from_zero(animation, "a .vrma", head=True)
-    channels = [animation.columns[column] for column in shape_columns(animation)]
-    if not placed(channels, names(VRM_PRESETS).shapes).shapes:
+    shut = shutting_expressions(animation)
+    if lost := [name for name, values in _moves(animation) if name in shut and values.any()]:
+        yield (
+            f"{animation.model}: '{lost[0]}' shuts a mouth that speaks (`overrideMouth`), so the "
+            "file leaves it out; set its override of the mouth to none in the avatar"
+        )
+    known = {*names(VRM_PRESETS).shapes, *expressions(animation)}
+    if not any(name in known for name, _ in _moves(animation)):
         yield (
             "none of these poses is a preset of VRM, so only avatars move that have custom "
             "expressions of their names, as for perfect sync; for all, take a pose set of presets"
@@ -104,18 +111,28 @@ def write_vrma(animation: Animation, out: BinaryIO) -> None:
 
 def _expressions(animation: Animation) -> list[KeyedCurve]:
     """Return the keyframes of each expression; of two columns for a preset, the larger counts."""
-    columns = shape_columns(animation)
-    channels = [animation.columns[column] for column in columns]
-    presets = placed(channels, names(VRM_PRESETS).shapes).shapes
     sums: dict[str, Floats] = {}
-    for number, column in enumerate(columns):
-        values = animation.weights[:, column].clip(0.0, 1.0)
-        for name in presets.get(number, [channels[number].name]):
+    shut = shutting_expressions(animation)
+    for name, values in _moves(animation):
+        if name not in shut:
             sums[name] = np.maximum(sums[name], values) if name in sums else values
     shown = replace(
         animation, poses=(*sums,), channels=(), weights=np.column_stack([*sums.values()])
     )
     return shown.keyframes(ERROR, lines=True)
+
+
+def _moves(animation: Animation) -> Iterator[tuple[str, Floats]]:
+    """Yield the values (T,) of expressions by their names: those of the avatar, or of VRM."""
+    columns = shape_columns(animation)
+    channels = [animation.columns[column] for column in columns]
+    presets = placed(channels, names(VRM_PRESETS).shapes).shapes
+    # VRM 0 calls a preset `a`, and its loaders take `aa` for it: presets come first.
+    known = placed(channels, expressions(animation)).shapes | presets
+    for number, column in enumerate(columns):
+        values = animation.weights[:, column].clip(0.0, 1.0)
+        for name in known.get(number, [channels[number].name]):
+            yield name, values
 
 
 def _head(animation: Animation) -> tuple[Floats, Floats] | None:
