@@ -182,7 +182,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
     numerals = stated.numerals
     return SpokenForms(
         interjections=known,
-        abbreviations=_listed(stated.abbreviations, stated.lists) | phrases,
+        abbreviations=_listed(stated.expansions, stated.lists) | phrases,
         words=words,
         beginnings=stated.beginnings,
         endings={last: dict(others) for last, others in stated.endings.items()},

@@ -181,6 +181,9 @@ def _read_alike(spellings: tuple[str, ...]) -> tuple[str, ...]:
     return spellings
 
 
+RankWords = Annotated[str, Field(pattern=r"^[^{}|]+$")]
+
+
 class LanguageText(Strict):
     """Written forms of a language that its engine would misread."""
 
@@ -200,6 +203,9 @@ class LanguageText(Strict):
     `month`. `№ #` also serves `#1`, and `≈ #` serves `~30`. A spelling that holds more of the text
     precedes others. If `#` itself is a spelling, all numbers in words are read as it says, and `-#`
     names the minus of each."""
+    ranks: Annotated[dict[Text, RankWords], Short(_each_spelling)] = Field(default={})
+    """The words for ranks, such as `por.: porucznik`, which stand before a name with a capital. The
+    same spelling in `abbreviations` says what is read elsewhere."""
     letters: dict[Annotated[str, Field(pattern="^[A-Z]$")], Text] = Field(default={})
     """Names of Latin letters, for an engine that knows none. Capitals in a row are spelled if all
     have names: a language in Latin letters names its consonants, and reads `NATO` as a word.
@@ -242,6 +248,12 @@ class LanguageText(Strict):
     """Words whose double letter stays if the word is drawn out: `goood` is `good`."""
     hyphenated: tuple[Text, ...] = ()
     """Words with a hyphen that look like stutters, such as `D-Day`."""
+
+    @property
+    def expansions(self) -> dict[str, str]:
+        """The abbreviations with the ranks, which are titles."""
+        known = self.abbreviations
+        return known | {key: f"{word}|{known.get(key, '')}" for key, word in self.ranks.items()}
 
     @property
     def number_tables(self) -> dict[str, dict[str, str]]:

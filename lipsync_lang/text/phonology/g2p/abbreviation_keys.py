@@ -242,8 +242,8 @@ class AbbreviationKeys:
             # `les 2 m'ont vu`
             after = after.lstrip("'’") if key[-2:-1] == " " else after
             glued = key[-1] == "." and _UNSPACED_LETTER.match(after)
-            titled, _, alone = self._expansions[key].partition("|")
-            words = titled if _fits(found, titled, choosy=bool(alone)) else alone
+            titled, choosy, alone = self._expansions[key].partition("|")
+            words = titled if _fits(found, titled, choosy=bool(choosy)) else alone
             if words and (glued or not (in_word and is_spaced(after[:1]))):
                 best, read = found, words
         return best, read
@@ -322,7 +322,7 @@ def _fits(found: re.Match[str], read: str, *, choosy: bool) -> bool:
     A name of a `choosy` title begins with a capital.
     """
     key = found[0]
-    if not key.endswith(".") or read.endswith("."):
+    if read.endswith(".") or not (choosy or key.endswith(".")):
         return True
     after = _seen_after(found).lstrip(" \u00a0\u202f")
     if key[:-1].isdigit():
@@ -333,7 +333,7 @@ def _fits(found: re.Match[str], read: str, *, choosy: bool) -> bool:
         before = found.string[max(found.start() - SEEN_KEY_CHARS, 0) : found.start()].rstrip()
         return after[:1].isalpha() and not after[:1].islower() and not before[-1:].isdigit()
     named = after[:1].isupper() if choosy else any(map(str.isalnum, after[:3]))
-    return not key[0].isupper() or named
+    return named or not (choosy or key[0].isupper())
 
 
 def _seen_after(found: re.Match[str]) -> str:
@@ -364,7 +364,7 @@ def _expression(key: str) -> re.Pattern[str]:
         else _LETTERS
         if part == "*"
         # "Le" and "Ce" are words, and no numerals with an ending
-        else ("([IVX]{1,6})" if after.isalpha() else "([IVXLC]{1,7})(?![A-Za-z])")
+        else ("([IVX]{1,6})" if after.isalpha() else r"([IVXLC]{1,7})(?![^\W\d_])")
         if part == "~"
         else re.escape(part)
         for part, after in pairwise([*re.findall("#+|[^#]", key), ""])
