@@ -54,6 +54,10 @@ _PATTERNS = {
     "^[A-Za-z0-9][A-Za-z0-9_-]*(:[A-Za-z0-9][A-Za-z0-9_+-]*)?$": (
         "name a language, or an engine and its code as in ENGINE:CODE"
     ),
+    r"^[^{}|]+$": "write the words alone, without braces and |",
+    "^[A-Z]$": "write one capital from A to Z",
+    "^(0|[1-9][0-9]{0,11})$": "write a number of digits alone",
+    r"^\.[a-z0-9._-]+$": "write a suffix in small letters, such as .json",
 }
 _PATTERN = "write a BCP 47 tag such as 'pt-BR'"
 

@@ -21,7 +21,10 @@ from lipsync_lang.text.phonology.g2p.g2p_engines import RESPELLERS, WHISPER
 MAX_READ_CHARS = 1000
 """Maximum characters of a part; the dictionary's buffer is not much larger."""
 
-_SENTENCE = re.compile(r"[^。！？!?\n]+")
+_MARKS = "。！？!?"
+_SENTENCE = re.compile(rf"[^{_MARKS}\n]+[{_MARKS}]?")
+"""A sentence with its mark: the dictionary needs that to tell the command 待て."""
+
 _EDGES = " \t\r\u3000、，,・「」『』（）()【】〈〉《》［］[]…‥ー〜～―—–-"
 """Nothing is said of these where a sentence starts."""
 
@@ -79,7 +82,9 @@ def _read(sentence: str) -> list[tuple[str, str]]:
             # Half of a surrogate pair has no UTF-8, which the dictionary takes.
             morphemes = reader.g2p_mapping(_SURROGATE.sub("\ufffd", sentence), **_MANNER)
         except ValueError:  # what it wrote cannot be traced back to the letters
-            return [(sentence, str(reader.g2p(sentence, kana=True)).translate(_PLAIN_KANA))]
+            words = sentence.rstrip(_MARKS)
+            kana_of_words = str(reader.g2p(words, kana=True)).translate(_PLAIN_KANA)
+            return [(words, kana_of_words), (mark := sentence[len(words) :], mark)]
     if not morphemes:
         return [(sentence, sentence)]
     cuts: list[int] = []
@@ -95,7 +100,10 @@ def _read(sentence: str) -> list[tuple[str, str]]:
         said = str(morpheme["pron"]).translate(_PLAIN_KANA)
         if said == "イウ" and morpheme["pos"] == "動詞":
             said = "ユー"  # 言う: the dictionary writes the spelling
-        kana[-1] += said if _KANA.fullmatch(said) else sentence[start:stop]
+        # 捨て: the dictionary says the ending of some stems in kanji, and then again
+        again = before and before["pos"] == "動詞" and before["pron"].endswith("テ")
+        if not (again and "て" == sentence[start:stop] != sentence[start - 1 : start]):
+            kana[-1] += said if _KANA.fullmatch(said) else sentence[start:stop]
         before = morpheme
     words = (sentence[slice(*span)] for span in pairwise((*cuts, len(sentence))))
     return list(zip(words, kana, strict=True))
