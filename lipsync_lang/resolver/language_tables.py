@@ -172,9 +172,9 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         for name, ipa in (pair for one in names for pair in one.items()):
             if plain(name) not in taken:
                 words[name] = OwnWord(nearest(ipa.split()))
-    vowels = shared.vowels if shared is not None else ""
+    vowels, censored = (shared.vowels, shared.censored) if shared is not None else ("", ())
     if stated is None:
-        return SpokenForms(known, phrases, words, vowels=vowels)
+        return SpokenForms(known, phrases, words, vowels=vowels, censored=censored)
     for spelling, own in stated.interjections.items():
         known.pop(spelling, None)
         if own is not None:
@@ -196,6 +196,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         doubled=stated.doubled,
         hyphenated=stated.hyphenated,
         vowels=vowels,
+        censored=censored,
         thousands=stated.thousands,
         decimal=stated.decimal,
     )

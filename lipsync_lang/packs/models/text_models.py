@@ -279,6 +279,8 @@ class SharedText(Strict):
 
     vowels: str = ""
     """Letters of vowels, small and without accents, in all alphabets."""
+    censored: tuple[Text, ...] = ()
+    """For each alphabet, the vowel that is read for the signs of a censored word, as in `f*ck`."""
     interjections: InterjectionTable = Field(default={})
     """The sounds of interjections in IPA, for every language whose `g2p` writes IPA."""
     nearby: dict[Label, tuple[Label, ...]] = Field(default={})

@@ -10,6 +10,7 @@ These are not spoken, and listed in the result:
 - codes of colours, sizes and waits: ``§a``, ``\C[4]``, ``|cFF0000``,
 - asides: ``(laughs)``, ``*sighs*`` (see `is_aside`),
 - addresses, hashtags, emoji, arrows, notes of music, and signs such as ``~``,
+- signs in place of a curse, such as ``#@$%!``, which are a pause,
 - passages that a project lists.
 
 Placeholders with a value become that value, and choices one of their branches (see `choices`).
@@ -71,6 +72,7 @@ SYMBOL = (
 )
 """Arrows, shapes, notes of music, emoji and their parts, and marks of typewriters."""
 FORMS = {
+    "bleep": {"#@$%!": r"(?<![\w#@$%&*§])[#@$%&*§](?:[!?]*[#@$%&*§]){2,}[!?]*(?!\w)"},
     # colours, sizes, waits and icons of Minecraft, Paradox, Quake, RPG Maker, Rockstar and Warcraft
     "code": {
         r"\C[4] \I[5]": r"\\(?![NPV]+\[)[A-Za-z]{1,6}\[[^\[\]]*\]",
@@ -126,7 +128,10 @@ FORMS = {
         "%L1 %1": rf"%(?:L\d|1{NO_SHARE})",
         "%n %-m %item": rf"{NO_PERCENTAGE}(?:-?[A-Za-z](?![A-Za-z_À-ɏ])|(?<!%%)[A-Za-z]{NAME})",
     },
-    "escape": {r"\n \p \"": r"\\(?:[nrtplf]|(?P<kept>[\\\"'%\[\]{ ]))"},
+    "escape": {
+        r"\n \p \"": r"\\(?:[nrt]|[plf](?![^\W\d_])|(?<=[^\s\\]\\)[plf]|(?P<kept>[\\\"'%\[\]{ ]))",
+        r"\left and\or": r"\\(?!\*)",
+    },
     "aside": {
         "(laughs)": r"\((?P<round>[^()\[\]{}<>]{1,80})\)",
         "（笑）": r"（(?P<doublewidth>[^（）]{1,80})）",
@@ -139,6 +144,7 @@ FORMS = {
         "#tag": r"(?<![\w&#])#(?=\w*[^\W\d_])\w+",
         "}/{ %d/%d": r"(?:(?<=[}\]])|(?<=[%$][sdiu]))/(?=[%${\[\d])",
         "♪ 👍🏽": rf"{SYMBOL}(?:\u200d?{SYMBOL})*",
+        "SPY×FAMILY 你×的": r"(?<=[^\W\d_])×+(?=[^\W\d_])",
         "<3 --> <= >> <<": r"<3+(?!\d)|(?<![-=])[-=]+>|<[-=]+|>{2,}|<{2,}",
     },
     "wave": {"~": r"(?<=[^\w\s%℃(])[~〜～]+|[~〜～]+(?!\d)"},
@@ -154,19 +160,19 @@ UNSURE_FORMS = {
 }
 """Examples of markup that may be text: its kind, its pattern, and its proof elsewhere in a line."""
 PROOFS = {kind: re.compile(proof) for kind, (_, _, proof) in UNSURE_FORMS.items()}
-SILENT_KINDS = frozenset({"code", "tag", "sign", "wave", "face"})
+SILENT_KINDS = frozenset({"bleep", "code", "tag", "sign", "wave", "face"})
 ADDRESS = (
     rf"(?i:https?://|www\.)[^\s<>\"\[\]{{}}{BESIDE_ADDRESS}]*[^\s<>\"\[\]{{}}{BESIDE_ADDRESS}.,;:!?)]"
     rf"|(?<![{LATIN_CHARS}_.+-])[{LATIN_CHARS}_+-]{{1,64}}(?:\.[{LATIN_CHARS}_+-]{{1,64}}){{0,4}}"
     rf"@[{LATIN_CHARS}-]{{1,64}}(?:\.[{LATIN_CHARS}-]{{1,64}}){{1,4}}"
 )
 EMOTICONS = (
-    r"(?<!\S)(?:[:;=][-'o^]?[)(\]\[DPpOo3/|*]+|[xX]D+|\^[_.-]?\^|[Tt>oO-][_.][Tt<oO-])"
-    r"(?![^\s.,!?]|\.\w)"  # `t.o.v.` is none
+    r"(?<!\S)(?:[:;=][-'o^]?[)(\]\[DPpOo3/|*]+|[xX]D+|\^[_.-]?\^|[Tt][_.][Tt]|[>oO-][_.][<oO-])"
+    r"(?![^\s.,!?]|\.\w)"
 )
 SUSPECT = re.compile(
-    rf"[][<>{{}}%$§£\\(（*~〜～#&@/={SYMBOL[1:-1]}]|[:;](?:-?[DPpOo3]|(?<=:)[A-Za-z_])"
-    r"|[-+](?<![\s\S][-+])|www\.|[xX]D|[Tto]\.[Tto]"
+    rf"[][<>{{}}%$§£\\(（*~〜～#&@×/={SYMBOL[1:-1]}]|[:;](?:-?[DPpOo3]|(?<=:)[A-Za-z_])"
+    r"|[-+](?<![\s\S][-+])|www\.|[xX]D|[Tt]\.[Tt]|o\.o"
 )
 """A trace of markup; text without one is spoken as it is.
 
@@ -188,6 +194,8 @@ TAG_VALUES = re.compile(r"[ =].*", re.DOTALL)
 PLACEHOLDER_NAME = re.compile(r"[\w.-]+")
 LEFT_LETTER = re.compile(r"['’]?[b-df-hj-np-tv-xz](?![^\W_]|[-…]|\.\.)")
 """A consonant of a placeholder's word, as in `{name}'s`, which alone would be spelled."""
+RUN_ON = re.compile(r"\.(?<=[^\W\d_]{2}\.)(?=[^\W\d_](?!\.))")
+"""A full stop between two words, which ends a sentence if a capital follows: `Wait.Go!`."""
 LOOSE_PUNCTUATION = re.compile(r" ([,.])(?!\S)")
 PAUSE_MARK = "\0"
 """Placeholder for a pause, until the text around it is known."""
@@ -306,7 +314,7 @@ def spoken(text: str, cleaning: Cleaning = AS_WRITTEN) -> SpokenText:
     """
     text = ordinary(text)
     if not cleaning.unspoken and not SUSPECT.search(text):
-        return SpokenText(" ".join(text.split()))
+        return SpokenText(_sentences(" ".join(text.split())))
     text = " ".join(text.replace(PAUSE_MARK, " ").split())
     text = ENTITY.sub(lambda found: unescape(f"&{found[1]}"), text)
     found = TextCleaner(chosen(text, cleaning.values), cleaning).spoken()
@@ -355,7 +363,7 @@ class TextCleaner:
                 beside = self.text[max(start - 1, 0) : start], self.text[at : at + 1]
                 self._left.append(" " if all(map(str.isalnum, beside)) else "")
         self._say(self._sound(done, len(self.text)))
-        tidy = " ".join("".join(self._left).split())
+        tidy = _sentences(" ".join("".join(self._left).split()))
         if PAUSE_MARK in tidy:
             tidy = " ".join(PAUSED.sub(_paused, tidy).split())
         said = LOOSE_PUNCTUATION.sub(r"\1", tidy).replace(f" {PAUSE_MARK}", PAUSE_MARK)
@@ -397,7 +405,7 @@ class TextCleaner:
         elif (instead := self._meant(found)) is not None:
             return instead
         self._dropped.append(whole)
-        if aside or PAUSING.match(whole):
+        if aside or found.lastgroup == "bleep" or PAUSING.match(whole):
             return PAUSE_MARK
         before = self.text[max(found.start() - 1, 0) : found.start()]
         after = self.text[found.end() : found.end() + 1]
@@ -450,6 +458,17 @@ def _markup(
     signs = rf"(?![^\W_]|[\s.,!?'\"])(?:{'|'.join(sections)})"
     address = f"(?P<address>{ADDRESS})|" if addressed else ""
     return re.compile(f"{listed}{signs}|{address}(?P<face>{EMOTICONS})", re.DOTALL)
+
+
+def _sentences(text: str) -> str:
+    """Return a text with a space between its sentences, which a tag may have held apart."""
+
+    def parted(found: re.Match[str]) -> str:
+        before, after = text[found.start() - 2 : found.start()], text[found.end() : found.end() + 2]
+        ends = before.islower() and after[0].isupper() and not after[1:].isupper()
+        return ". " if ends else "."
+
+    return RUN_ON.sub(parted, text)
 
 
 def _paused(found: re.Match[str]) -> str:

@@ -30,6 +30,7 @@ from lipsync_lang.sound.speech.speaking.transcripts import (
 from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning, spoken
 from lipsync_lang.text.phonology.emphasis import emphasised
 from lipsync_lang.text.phonology.g2p import SpokenWord, engine
+from lipsync_lang.text.phonology.g2p.censored import unstressed
 from lipsync_lang.text.phonology.g2p.g2p_engines import G2PEngine
 from lipsync_lang.text.phonology.g2p.orthography_profile import lacking
 from lipsync_lang.text.phonology.g2p.rare_letters import RareLetters
@@ -104,10 +105,10 @@ class Speaker:
     def written(self, text: str) -> WrittenText:
         """Return the part of a text that is read, with its emphasis."""
         said = spoken(text, self.cleaning)
-        clear = emphasised(said.text)
+        text = unstressed(said.text, self.manner.forms)
         for letter, instead in self.manner.letters.items():
-            if letter in clear.text:
-                clear = emphasised(said.text.replace(letter, instead))
+            text = text.replace(letter, instead)
+        clear = emphasised(text)
         return WrittenText(*clear, said.dropped, said.remarks)
 
     def transcribe(self, texts: Iterable[str]) -> Iterator[Transcript]:

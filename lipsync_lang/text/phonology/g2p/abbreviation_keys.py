@@ -160,6 +160,9 @@ class AbbreviationKeys:
         at, text = 0, _ABOUT.sub("≈", _WAVE.sub("〜", text)).translate(_SIGNS)
         text = _OTHER_DIGIT.sub(lambda digit: str(int(digit[0])), text)
         plain = _RANGE_SIGN.sub("〜", text)
+        # `12-Й`, `12. SZINT` and `12. STOCK` are read like small letters
+        calm = [text.lower(), text.title()] if text.isupper() else []
+        calm = [one for one in calm if len(one) == len(text)]
         while start := self._starts.search(plain, at):
             at = start.end()
             if start[0] == "〜":
@@ -173,8 +176,9 @@ class AbbreviationKeys:
                 or is_spaced(text[max(at - 2, 0) : at - 1])
             ):
                 continue
+            ways = (*calm, text, plain) if start[0].isdecimal() else (text, plain)
             found, read = max(
-                (self._match(one, start.start()) for one in dict.fromkeys((text, plain))),
+                (self._match(one, start.start()) for one in dict.fromkeys(ways)),
                 key=lambda match: match[0].end() if match[0] else -1,
             )
             if found:

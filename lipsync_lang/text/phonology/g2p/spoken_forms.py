@@ -48,6 +48,7 @@ class SpokenForms:
     doubled: tuple[str, ...] = ()
     hyphenated: tuple[str, ...] = ()
     vowels: str = ""
+    censored: tuple[str, ...] = ()
     thousands: str = ""
     decimal: str = ""
 
@@ -60,5 +61,5 @@ class SpokenForms:
         }
         words = {w: OwnWord(tuple(labels), say) for w, (labels, say) in data["words"].items()}
         tables = {"interjections": known, "words": words}
-        lists = ("counted", "named", "ordinals", "numeral_words", "doubled", "hyphenated")
+        lists = ("counted", "named", "ordinals", "numeral_words", "doubled", "hyphenated", "censored")
         return cls(**{**data, **tables} | {name: tuple(data[name]) for name in lists})

@@ -18,6 +18,7 @@ from lipsync_lang.text.phonology.g2p.abbreviation_keys import (
     is_spaced,
     respelled,
 )
+from lipsync_lang.text.phonology.g2p.censored import uncensored
 from lipsync_lang.text.phonology.g2p.drawn_out import (
     MAX_STUTTER_CHARS,
     SYLLABIC,
@@ -127,10 +128,11 @@ class Utterances:
         """Cut a text into parts; together they are the text."""
         tokens = list(pieces(text))
         own = self._own.found_in(text, tokens)
+        expanded = _apart(list(uncensored(text, self._forms)), self._expansions.find(text))
         expanded = [
             # Expansions may have words of the pack in them.
             one._replace(read=self._own.respelled(one.read))
-            for one in self._expansions.find(text)
+            for one in expanded
         ]
         said, expanded = _beside_said(own.said, expanded)
         replaced = _apart(own.respelled, expanded)
