@@ -73,6 +73,7 @@ _OTHER_DIGIT = re.compile(r"(?![0-9])\d")
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)*")
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
 """A number; its thousands may have spaces between them."""
+_SHOUTED = re.compile(r"[^\W\d_]{2,}|(?<!\d)[^\W\d_]")
 _SPACES = " \u00a0\u202f"
 _LETTERS = r"([^\W\d_][^\s\d!-/:-@\[-`{-~]+)"
 """A letter and more, some of which may be marks on letters."""
@@ -160,8 +161,9 @@ class AbbreviationKeys:
         at, text = 0, _ABOUT.sub("≈", _WAVE.sub("〜", text)).translate(_SIGNS)
         text = _OTHER_DIGIT.sub(lambda digit: str(int(digit[0])), text)
         plain = _RANGE_SIGN.sub("〜", text)
-        # `12-Й`, `12. SZINT` and `12. STOCK` are read like small letters
-        calm = [text.lower(), text.title()] if text.isupper() else []
+        # `12-Й`, `12. SZINT` and `12. STOCK` are read like small letters, but not `5G`
+        cases = (str.lower, str.capitalize) if text.isupper() else ()
+        calm = [_SHOUTED.sub(lambda word, case=case: case(word[0]), text) for case in cases]
         calm = [one for one in calm if len(one) == len(text)]
         while start := self._starts.search(plain, at):
             at = start.end()

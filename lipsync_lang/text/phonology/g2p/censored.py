@@ -8,9 +8,11 @@ from lipsync_lang.text.phonology.g2p.abbreviation_keys import Replacement
 from lipsync_lang.text.phonology.g2p.drawn_out import folded
 from lipsync_lang.text.phonology.g2p.spoken_forms import SpokenForms
 
-_SIGN, _LETTER = "[#@$%&*∗]", r"[^\W\d_]"
-_SIGNS = rf"(?:[*∗]+(?={_LETTER})|[#@$](?=[^\W\d_A-Z])|{_SIGN}(?:[!?]*{_SIGN})+)"
-_MASKED = re.compile(rf"(?<![\w*]){_LETTER}+(?:{_SIGNS}{_LETTER}*)+")
+_CURSE_SIGN, _LETTER = "[#@$%&*∗]", r"[^\W\d_]"
+_BETWEEN_LETTERS = (
+    rf"(?:[*∗]+(?={_LETTER})|[#@$](?=[^\W\d_A-Z])|{_CURSE_SIGN}(?:[!?]*{_CURSE_SIGN})+)"
+)
+_MASKED = re.compile(rf"(?<![\w*]){_LETTER}+(?:{_BETWEEN_LETTERS}{_LETTER}*)+")
 
 
 def uncensored(text: str, forms: SpokenForms) -> Iterator[Replacement]:
@@ -18,7 +20,7 @@ def uncensored(text: str, forms: SpokenForms) -> Iterator[Replacement]:
 
     `Lehrer*innen` and `x*y` are none.
     """
-    for found in _MASKED.finditer(text) if re.search(_SIGN, text) else ():
+    for found in _MASKED.finditer(text) if re.search(_CURSE_SIGN, text) else ():
         parts = re.split(r"\W+", found[0])
         script = name(found[0][0], "").split(" ")[0]
         vowel = next((one for one in forms.censored if name(one[0]).startswith(script)), "")

@@ -21,8 +21,8 @@ from lipsync_lang.text.phonology.g2p.g2p_engines import RESPELLERS, WHISPER
 MAX_READ_CHARS = 1000
 """Maximum characters of a part; the dictionary's buffer is not much larger."""
 
-_MARKS = "。！？!?"
-_SENTENCE = re.compile(rf"[^{_MARKS}\n]+[{_MARKS}]?")
+_SENTENCE_MARKS = "。！？!?"
+_SENTENCE = re.compile(rf"[^{_SENTENCE_MARKS}\n]+[{_SENTENCE_MARKS}]?")
 """A sentence with its mark: the dictionary needs that to tell the command 待て."""
 
 _EDGES = " \t\r\u3000、，,・「」『』（）()【】〈〉《》［］[]…‥ー〜～―—–-"
@@ -36,6 +36,7 @@ _MANNER = {"normalize_mode": "NFKC", "predict_nani": False, "use_sudachi_kanji_y
 
 _SURROGATE = re.compile(r"[\ud800-\udfff]")
 _KANA = re.compile(rf"[ァ-ヺー{WHISPER}]+")
+_ENDING_TWICE = re.compile("動詞 .*テ [^て]て")
 _INFLECTED = frozenset({"動詞", "形容詞", "助動詞"})
 _FINAL = "基本形"
 
@@ -82,7 +83,7 @@ def _read(sentence: str) -> list[tuple[str, str]]:
             # Half of a surrogate pair has no UTF-8, which the dictionary takes.
             morphemes = reader.g2p_mapping(_SURROGATE.sub("\ufffd", sentence), **_MANNER)
         except ValueError:  # what it wrote cannot be traced back to the letters
-            words = sentence.rstrip(_MARKS)
+            words = sentence.rstrip(_SENTENCE_MARKS)
             kana_of_words = str(reader.g2p(words, kana=True)).translate(_PLAIN_KANA)
             return [(words, kana_of_words), (mark := sentence[len(words) :], mark)]
     if not morphemes:
@@ -101,8 +102,8 @@ def _read(sentence: str) -> list[tuple[str, str]]:
         if said == "イウ" and morpheme["pos"] == "動詞":
             said = "ユー"  # 言う: the dictionary writes the spelling
         # 捨て: the dictionary says the ending of some stems in kanji, and then again
-        again = before and before["pos"] == "動詞" and before["pron"].endswith("テ")
-        if not (again and "て" == sentence[start:stop] != sentence[start - 1 : start]):
+        again = before and f"{before['pos']} {before['pron']} {sentence[start - 1 : stop]}"
+        if not (again and _ENDING_TWICE.fullmatch(again)):
             kana[-1] += said if _KANA.fullmatch(said) else sentence[start:stop]
         before = morpheme
     words = (sentence[slice(*span)] for span in pairwise((*cuts, len(sentence))))

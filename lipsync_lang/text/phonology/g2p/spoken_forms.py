@@ -61,5 +61,13 @@ class SpokenForms:
         }
         words = {w: OwnWord(tuple(labels), say) for w, (labels, say) in data["words"].items()}
         tables = {"interjections": known, "words": words}
-        lists = ("counted", "named", "ordinals", "numeral_words", "doubled", "hyphenated", "censored")
+        lists = (
+            "counted",
+            "named",
+            "ordinals",
+            "numeral_words",
+            "doubled",
+            "hyphenated",
+            "censored",
+        )
         return cls(**{**data, **tables} | {name: tuple(data[name]) for name in lists})

@@ -129,11 +129,8 @@ class Utterances:
         tokens = list(pieces(text))
         own = self._own.found_in(text, tokens)
         expanded = _apart(list(uncensored(text, self._forms)), self._expansions.find(text))
-        expanded = [
-            # Expansions may have words of the pack in them.
-            one._replace(read=self._own.respelled(one.read))
-            for one in expanded
-        ]
+        # Expansions may have words of the pack in them.
+        expanded = [one._replace(read=self._own.respelled(one.read)) for one in expanded]
         said, expanded = _beside_said(own.said, expanded)
         replaced = _apart(own.respelled, expanded)
         if self._rare is not None:
