@@ -139,7 +139,9 @@ def paired(
     written: list[list[TextPiece]] = [[]]
     for piece in pieces(text):
         if piece.kind == "pause":
-            written.append([])
+            # the full stop in `a.m.` is no pause
+            if not text[max(piece.start - 1, 0) : piece.start + 2].replace(".", "", 1).isalpha():
+                written.append([])
         else:
             written[-1].append(piece)
     written = [clause for clause in written if clause]
