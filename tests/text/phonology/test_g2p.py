@@ -318,7 +318,7 @@ def texts(found):
         ("of hel-wor 7", [[*CLAUSE, ("d",)]], [("of hel-wor 7", "həwɜːd")]),
         ("of 8", [CLAUSE], [("of 8", "həwɜː")]),
         ("a. b c", [CLAUSE, CLAUSE[:1]], [("a", "həwɜː"), (",", ""), ("b c", "hə")]),
-        ("a.b, hel", [CLAUSE, CLAUSE[:1]], [("a.b", "həwɜː"), (",", ""), ("hel", "hə")]),
+        ("a.b, hel", [CLAUSE, CLAUSE[:1]], [("a", "hə"), ("b", "wɜː"), (",", ""), ("hel", "hə")]),
         ("...", [], []),
     ],
 )
