@@ -236,9 +236,15 @@ def test_words_that_are_said_many_times_are_heard(english):
     if not isinstance(_recogniser(english, None)[0], whisper_recogniser.WhisperRecogniser):
         pytest.skip("no Whisper model is installed")
     text = "Look out behind you. No, no, no, no, no, no, no, no! Get away from the door."
-    found = recognised(english, ll.speak(text, "english").audio, recogniser="whisper")
+    spoken = ll.speak(text, "english")
+    found = recognised(english, spoken.audio, recogniser="whisper")
     heard = [word.text.strip(" .,!").casefold() for word in found.words]
     assert {"look", "behind", "no", "away", "door"} <= {*heard}
+    # Each "no" moves the mouth, also those that the model does not repeat.
+    middles = [(word.start + word.end) / 2 for word in spoken.words if "no" in word.text.casefold()]
+    shown = [found.labels[at - 1] for at in found.times.searchsorted(middles)]
+    assert SILENCE not in shown
+    assert "speech without words" in found.remarks[-1]
 
 
 # Models and their languages
