@@ -282,3 +282,53 @@ def test_a_model_without_letters_says_what_to_write(shipped, tmp_path):
         SpeechError, match=r"no phone of the model is known for 'ɡ': write .*phones"
     ):
         aligned(german, spoken.audio, "Guten Morgen.", aligner=f"pocketsphinx:{folder}")
+
+
+def filled(name, number):
+    """Return what fills a part of a binary table of a model with one number."""
+
+    def change(folder):
+        content = bytearray((folder / name).read_bytes())
+        at = content.index(b"endhdr\n") + 60
+        content[at : at + 400] = struct.pack("<100f", *[number] * 100)
+        (folder / name).write_bytes(content)
+
+    return change
+
+
+def stated(line):
+    """Return what adds a line to the parameters of the features."""
+
+    def change(folder):
+        path = folder / "feat.params"
+        path.write_text(f"{path.read_text('utf-8')}\n{line}\n", "utf-8")
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (filled("means", np.nan), "no numbers"),
+        (filled("means", 1e38), "no numbers"),
+        (filled("variances", np.nan), "no numbers"),
+        (filled("transition_matrices", 0), "no numbers"),
+        (stated("-nfilt 0"), "-nfilt 0: the features have 1 to 1000 bands"),
+        (stated("-nfilt 1000000000"), "1 to 1000 bands"),
+        (stated("-nfilt many"), "invalid literal"),
+        (stated("-lowerf nan"), "-lowerf"),
+    ],
+)
+def test_a_damaged_model_is_told_in_words(shipped, tmp_path, change, told):
+    folder = in_text(shipped, tmp_path / "damaged")
+    change(folder)
+    with pytest.raises(SpeechError, match=told) as error:
+        read_model(folder)
+    assert len(str(error.value)) < 400
+
+
+def test_a_word_of_the_dictionary_without_phones_is_told(shipped, english, spoken, tmp_path):
+    folder = in_text(shipped, tmp_path / "mute")
+    (folder / "own.dict").write_text("glue\nthe DH AH\n", "utf-8")
+    with pytest.raises(SpeechError, match=r"own.dict: 'glue' has no phones; add them"):
+        aligned(english, spoken, TEXT, aligner=f"pocketsphinx:{folder}")

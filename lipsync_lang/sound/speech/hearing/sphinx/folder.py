@@ -37,6 +37,12 @@ WEIGHT_STEP = 1024 * np.log(1.0001)
 WEIGHT_FLOOR = 1e-7
 """Least mixture weight."""
 
+MAX_REASON_CHARS = 100
+"""Maximum length of what is wrong with a file, in a message."""
+
+MAX_BANDS = 1000
+"""Maximum number of mel bands, far beyond the points of a spectrum."""
+
 SILENCE_NAME = "SIL"
 """Name of silence in all models of Sphinx."""
 
@@ -156,10 +162,13 @@ def _front_end(folder: Path) -> SphinxFrontEnd:
         elif known not in INERT_PARAMETERS:
             raise refused(path, name, "this parameter is unknown")
     made = SphinxFrontEnd(**settings)
+    if not 0 < made.bands <= MAX_BANDS:
+        raise refused(path, f"-nfilt {made.bands}", f"the features have 1 to {MAX_BANDS} bands")
     edges = band_edges(made)
     if made.transform not in ("legacy", "dct", "htk"):
         raise refused(path, f"-transform {made.transform}", "the features have legacy, dct or htk")
-    if edges[0] < 0 or edges[-1] > SPEECH_RATE / 2 or (np.diff(edges) <= 0).any():
+    # `not`, because bands that are no numbers compare with nothing.
+    if not (edges[0] >= 0 and edges[-1] <= SPEECH_RATE / 2 and (np.diff(edges) > 0).all()):
         raise refused(path, "-nfilt, -lowerf, -upperf", "the bands overlap or leave 0 to 8000 Hz")
     return made
 
@@ -381,6 +390,11 @@ class Models:
             spelling = word
             while (phones := self._entries.get(spelling)) is not None:
                 names = phones.split()
+                if not names:
+                    raise SpeechError(
+                        f"{self.dictionary}: '{spelling}' has no phones; add them, or take its "
+                        "line away"
+                    )
                 if unknown := [name for name in names if name not in self.numbers]:
                     raise SpeechError(
                         f"{self.dictionary}: '{spelling}' has '{unknown[0]}', which is no phone of "
@@ -411,14 +425,22 @@ def read_model(folder: Path) -> AcousticModel:
     """
     try:
         other = next((name for name in MODEL_READERS if (folder / name).is_file()), None)
-        return MODEL_READERS[other](folder) if other else read_sphinx(folder)
+        # What is beyond the range of a number ends as infinite, and is refused below.
+        with np.errstate(all="ignore"):
+            model = MODEL_READERS[other](folder) if other else read_sphinx(folder)
     except OSError as error:
         raise SpeechError(f"{folder}: no acoustic model: {error.strerror or error}") from None
-    except (struct.error, ValueError, IndexError, KeyError) as error:
+    except (struct.error, ValueError, LookupError, ArithmeticError, MemoryError) as error:
         raise SpeechError(
-            f"{folder}: not an acoustic model that can be read ({error}); install it again, or "
-            "name another"
+            f"{folder}: not an acoustic model that can be read ({str(error)[:MAX_REASON_CHARS]}); "
+            "install it again, or name another"
         ) from None
+    if not all(np.isfinite(one).all() for one in (model.stay, model.gaussians, model.weights)):
+        raise SpeechError(
+            f"{folder}: some values of this acoustic model are no numbers; install it again, or "
+            "name another"
+        )
+    return model
 
 
 @cache
