@@ -314,8 +314,8 @@ def languages() -> str:
             ),
             (
                 "A language without a pack works as `-l espeak:CODE` or `-l epitran:CODE`, if "
-                "eSpeak NG or Epitran reads it. With sounds that are timed in IPA, every language "
-                "works as `-l ipa:CODE`. For better results, "
+                "eSpeak NG or Epitran reads it. With sounds in IPA, timed or as the text, every "
+                "language works as `-l ipa:CODE`. For better results, "
                 "[add a language](../tutorial/add-a-language.md)."
             ),
             table(

@@ -1,7 +1,7 @@
 """Languages without a pack: an engine turns text into IPA, and IPA is mapped by its features.
 
 Their names have the form ENGINE:CODE, as in `espeak:sw`. An unknown code is reported by the engine
-when it first reads text. `ipa:CODE` has no engine and serves timed phonemes in IPA only.
+when it first reads text. The text of `ipa:CODE` is IPA itself.
 """
 
 import re
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class IpaEngine(NamedTuple):
-    """A source of IPA; `field` of `g2p` holds its code, and is None if it reads no text."""
+    """A source of IPA; `field` of `g2p` holds its code, and is None if it needs none."""
 
     field: str | None = None
     speaks: bool = False
@@ -82,7 +82,7 @@ def automatic(name: str, phonemes: "Callable[[], Pack[Phonemes]]") -> "Pack[Lang
         "title": f"{code} as {engine} has it, mapped automatically",
         "tag": coded["tag"].replace("_", "-"),
         "adds": dict.fromkeys(beyond),
-        "g2p": {"engine": engine, reader.field: code, "notation": IPA} if reader.field else None,
+        "g2p": {"engine": engine, reader.field or "code": code, "notation": IPA},
         "tts": {"engine": engine, "voice": code} if reader.speaks else None,
         "notations": {IPA: {}},
         "automatic": True,

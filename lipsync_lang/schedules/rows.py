@@ -256,18 +256,23 @@ def _shared(rows: Iterable[LabelRow]) -> Iterator[LabelRow]:
     """Yield rows; those without length have equal shares of the time of a neighbour."""
     ahead: list[list[LabelRow]] = []  # sounds without length, and the one after them
     for row in rows:
-        waiting = ahead and ahead[-1][-1].end == ahead[-1][0].start == row.start
+        waiting = ahead and _one_time(ahead[-1][0].start, ahead[-1][-1].end, row.start)
         ahead += [[*ahead.pop(), row] if waiting else [row]]
     # the last sounds have none after them, and share the time of the one before
     groups: list[list[LabelRow]] = []
     for group in ahead:
-        late = groups and group[-1].end == group[0].start == groups[-1][-1].end
+        late = groups and _one_time(group[0].start, group[-1].end, groups[-1][-1].end)
         groups += [groups.pop() + group if late else group]
     for group in groups:
         start, stop = group[0].start, group[-1].end
         bounds = [start + (stop - start) * at / len(group) for at in range(len(group))]
         spans = zip(group, bounds, [*bounds[1:], stop], strict=True)
         yield from (row._replace(start=start, end=stop) for row, start, stop in spans)
+
+
+def _one_time(*times: float) -> bool:
+    """Return True for times that are one; the sum of a start and a length is rounded."""
+    return max(times) - min(times) < SNAP_SECONDS
 
 
 def check_span(source: TimingFile, row: LabelRow) -> None:

@@ -247,7 +247,7 @@ class LabelCorrection(Strict):
 
 
 G2PEngineName = Literal[
-    "espeak", "pypinyin", "epitran", "lexicon", "rules", "thaiphon", "phonemizer"
+    "espeak", "pypinyin", "epitran", "ipa", "lexicon", "rules", "thaiphon", "phonemizer"
 ]
 """The engines that convert text to labels."""
 

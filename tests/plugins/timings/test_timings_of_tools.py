@@ -50,6 +50,16 @@ def test_sounds_without_length_share_it_in_every_format(tmp_path, name, text):
 
 
 PAUSES = ["sp", "sil", "SIL", "pau", "<eps>", "h#", "spn", "<p:>", "#", "_"]
+
+
+def test_the_last_sounds_share_the_time_of_one_whose_end_is_rounded(tmp_path):
+    # .11 + .1 is not .21
+    rows = "u 1 0 0.11 m\nu 1 0.11 0.10 a\nu 1 0.21 0 p\nu 1 0.21 0 a\n"
+    found = read(tmp_path, "a.ctm", rows)
+    assert found.labels == ("m", "a", "p", "a")
+    assert_allclose(found.times, [0, 0.11, 0.1433, 0.1767, 0.21], atol=1e-3)
+
+
 AROUND_A_PAUSE = {
     "a.lab": "0 5000000 AA1\n5000000 5000000 {}\n5000000 10000000 AA1\n",
     "a.mlf": '#!MLF!#\n"a.lab"\n0 5000000 AA1\n5000000 5000000 {}\n5000000 10000000 AA1\n.\n',

@@ -151,6 +151,18 @@ def test_the_command_writes_a_model_that_aligns(recordings, tmp_path, monkeypatc
     assert cli.main([*run, "--aligner", "pocketsphinx:./anna", "-o", "line.csv"]) == 0
 
 
+@full
+def test_the_text_of_a_language_without_a_pack_is_ipa(english, recordings, tmp_path, capsys):
+    for text, path in zip(SENTENCES, sorted(recordings.glob("*.wav")), strict=True):
+        (said,) = english.transcribe([text])
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+        written = " ".join("".join(word.labels) for word in said.words)
+        (tmp_path / path.name).with_suffix(".txt").write_text(written, "utf-8")
+    made = ["-l", "ipa:und", "-o", str(tmp_path / "anna")]
+    assert cli.main(["models", "adapt", str(tmp_path), *made]) == 0
+    assert "11 lines" in capsys.readouterr().out
+
+
 def test_a_model_that_gains_nothing_is_not_written(monkeypatch, tmp_path, shipped, capsys):
     from lipsync_lang.sound.speech.hearing import adaptation
 

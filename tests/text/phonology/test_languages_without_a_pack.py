@@ -19,6 +19,7 @@ from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.performing.label_reader import label_remarks
 from lipsync_lang.resolver import cache
 from lipsync_lang.resolver.compile import compile_pair
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
 from lipsync_lang.text.phonology.labels import Notation, recognise
 
 
@@ -38,18 +39,15 @@ def spoken(performer, line):
         ("espeak:en-gb-x-rp", "en-gb-x-rp", "espeak", "voice", "en-gb-x-rp"),
         ("espeak:zh_yue+f3", "zh-yue", "espeak", "voice", "zh_yue+f3"),
         ("epitran:amh-Ethi", "amh-Ethi", "epitran", "code", None),
-        ("ipa:lg", "lg", None, "", None),
+        ("ipa:lg", "lg", "ipa", "code", None),
     ],
 )
 def test_a_code_is_a_language(name, tag, engine, field, voice):
     pack = Library(project=None).language(name)
     model = pack.model
     assert (model.name, model.tag, model.automatic) == (name, tag, True)
-    if engine is None:
-        assert model.g2p is None
-    else:
-        assert (model.g2p.engine, getattr(model.g2p, field)) == (engine, name.partition(":")[2])
-        assert model.g2p.notation == IPA
+    assert (model.g2p.engine, getattr(model.g2p, field)) == (engine, name.partition(":")[2])
+    assert model.g2p.notation == IPA
     assert (model.tts.voice if model.tts else None) == voice
     assert {*COMMON.base, *model.adds, COMMON.silence} == set(COMMON.phonemes)
     assert "automatic" in model.title
@@ -72,14 +70,20 @@ def test_an_unknown_engine_names_those_there_are():
     assert set(IPA_ENGINES) == {"espeak", "epitran", "ipa"}
 
 
-def test_timed_ipa_of_any_language_is_performed_and_no_text():
+def test_timed_ipa_of_any_language_is_performed_and_text_is_ipa():
     performer = ll.resolve("ipa:lg", "facefx")
     line = schedule("m", "ʊ", "ɲ", "dʒ", "aː", notation="ipa")
     assert spoken(performer, line)[:4] == ["bmp", "uh", "n", "ch"]
     assert spoken(replace(performer, shades=False), line)[:4] == ["bmp", "w", "d", "sh"]
     assert performer.perform(line)["PBM"].max() >= 0.8
-    with pytest.raises(ll.SpeechError, match="give timed phonemes"):
-        ll.speak("Oli otya", "ipa:lg")
+    (said,) = Speaker.of("ipa:lg").transcribe(["mʊɲ dʒaː, ˈka.ta!"])
+    assert [(one.text, one.labels) for one in said.words] == [
+        ("mʊɲ", ("m", "ʊ", "ɲ")), ("dʒaː", ("d", "ʒ", "a:")), (",", ()),
+        ("ˈka.ta", ("k", "a", "t", "a")),
+    ]  # fmt: skip
+    assert spoken(performer, ll.speak("mʊɲ", "ipa:lg"))[-3:] == ["bmp", "uh", "n"]
+    with pytest.raises(ll.LipsyncError, match="not IPA: O"):
+        performer.perform(ll.speak("Oli otya", "ipa:lg"))
 
 
 def test_such_a_language_resolves_and_says_so():

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol, overload
 
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.base.json_object import Json
-from lipsync_lang.packs.finding import Paths, located
+from lipsync_lang.packs.finding import IPA, Paths, located
 from lipsync_lang.packs.library import Library
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.sound.speech import ENGINES, speak_many
@@ -141,7 +141,7 @@ class Speaker:
         new = [text for text, words in kept.items() if words is None]
         if not new:
             read = []
-        elif self.manner.engine is None:
+        elif self.manner.engine in (None, IPA):
             read = self._read_plainly(new)
         else:
             read = self._utterances.read(new, self._read_plainly)

@@ -1,5 +1,6 @@
-"""Text to IPA with Epitran, for languages with a regular spelling."""
+"""Text to IPA with Epitran, for languages with a regular spelling; and text that is IPA."""
 
+import re
 from collections.abc import Collection, Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -10,8 +11,9 @@ from lipsync_lang.base.extras import install_line
 from lipsync_lang.text.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Settings, SpokenWord
 from lipsync_lang.text.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.text.phonology.g2p.tokens import plain, read_words
-from lipsync_lang.text.phonology.labels import LENGTH_MARKS, TONE, normalise
+from lipsync_lang.text.phonology.labels import LENGTH_MARKS, STRESS, TONE, normalise
 
+_REST, _STRESSED = ".,;!?…", re.compile(f"[{STRESS}]")
 _JOINED = {"Mn", "Lm", "Sk"}
 """Unicode categories of diacritics and modifier letters, which belong to the letter before."""
 
@@ -48,6 +50,22 @@ def engine(settings: Settings) -> G2PEngine:
             yield read_words(text, read_word)
 
     return read
+
+
+@G2P_ENGINES.register("ipa")
+def engine_of_ipa(settings: Settings) -> G2PEngine:
+    """Read text that is IPA: words with spaces between them."""
+    known = frozenset(map(normalise, settings.labels))
+
+    def words(text: str) -> Iterator[SpokenWord]:
+        for written in text.split():
+            word = written.rstrip(_REST)
+            if labels := segments(_STRESSED.sub("", word), known):
+                yield SpokenWord(word, labels)
+            if word != written:
+                yield SpokenWord(written[len(word) :], ())
+
+    return lambda texts: (tuple(words(text)) for text in texts)
 
 
 def segments(ipa: str, known: Collection[str] = ()) -> tuple[str, ...]:

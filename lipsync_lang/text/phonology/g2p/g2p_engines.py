@@ -117,6 +117,7 @@ G2P_ENGINES: Extensions[Make] = Extensions(
         "espeak": f"{_HERE}.espeak_g2p",
         "pypinyin": f"{_HERE}.pinyin",
         "epitran": f"{_HERE}.epitran",
+        "ipa": f"{_HERE}.epitran",
         "lexicon": f"{_HERE}.lexicon",
         "rules": f"{_HERE}.rules",
         "thaiphon": f"{_HERE}.thaiphon_g2p",
