@@ -141,7 +141,7 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
         gestures=_gestures(poseset, model.gesture_words),
         mirrored=_mirrored(poseset.model),
         measures={name: dict(gains) for name, gains in poseset.model.measures.items()},
-        checks=_checks(poseset.model.checks, who.model.checks) | _filmed(shelf),
+        checks=_checks(shelf) | _filmed(shelf),
         nearest=plain_among(library, spoken) if model.automatic else None,
         manner=_plain(manner.plain()),
         rig=plain_rig(library, who.model.rig, poseset) if who.model.rig is not None else None,
@@ -221,11 +221,16 @@ def _plain(data: Any) -> Any:
     return [_plain(value) for value in data] if isinstance(data, (list, tuple)) else data
 
 
-def _checks(*layers: models.Checks) -> dict[str, Any]:
-    """Return limits and rules as plain data; later layers override earlier ones."""
+def _checks(shelf: PairPacks) -> dict[str, Any]:
+    """Return limits and rules as plain data; those of the character override the pose set's."""
     limits: dict[str, Any] = {}
     rules: dict[str, Any] = {}
-    for layer in layers:
+    own, who = shelf.poseset.model.checks, shelf.character.model.checks
+    if shelf.solved is not None:
+        # A pose set allows its own look on the mesh more; solved targets have another.
+        seen = [name for name in type(own).model_fields if name.startswith("seen_")]
+        own = own.model_copy(update=dict.fromkeys(seen))
+    for layer in (own, who):
         stated = layer.model_dump(exclude_none=True)
         rules |= _plain(stated.pop("rules"))
         limits |= stated

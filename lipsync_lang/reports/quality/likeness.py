@@ -17,7 +17,7 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.reports.quality import curve_statistics as statistics
-from lipsync_lang.reports.quality.face_columns import Roles
+from lipsync_lang.reports.quality.face_columns import LEAST_APERTURE, Roles
 from lipsync_lang.reports.quality.figures import Figure, Finding
 from lipsync_lang.reports.quality.measured_scene import MeasuredScene, search
 from lipsync_lang.reports.quality.measures import (
@@ -79,17 +79,17 @@ LEAST_SOUNDS = 3
 
 
 class Opening(NamedTuple):
-    """The sum of the columns that open the mouth."""
+    """How far the jaw, or the mouth, is open."""
 
     curve: Floats
-    """(T,) sum of these columns."""
+    """(T,) sum of the columns that open the jaw, or the aperture on the mesh."""
     peaks: list[float]
     """(L,)"""
     whys: list[str]
     """(L,) the reason why a line has no opening; empty for others."""
 
     def level(self, scene: MeasuredScene) -> Floats:
-        """Return the level of a shut jaw in each frame."""
+        """Return the level of a shut mouth in each frame."""
         return statistics.SHUT_SHARE * np.array(self.peaks)[scene.frame_line]
 
 
@@ -108,10 +108,22 @@ def _opening(scene: MeasuredScene) -> Opening:
         why = "the pose set does not state the poses that open the mouth (`intensity`)"
     if why or roles is None:
         return Opening(scene.times[:0], [], [why] * len(scene.spans))
-    curve: Floats = scene.curves[roles.opening].sum(axis=0)
+    return _opening_of(scene, scene.curves[roles.opening].sum(axis=0), VISIBLE_SHARE)
+
+
+@once
+def _lips(scene: MeasuredScene) -> Opening:
+    """Return the opening of the lips on the mesh, or that of the jaw if none is measured."""
+    seen, jaw = scene.face.seen, _opening(scene)
+    if seen is None or not jaw.peaks:
+        return jaw
+    return _opening_of(scene, np.maximum(0.0, seen.gains[0] @ scene.curves), LEAST_APERTURE)
+
+
+def _opening_of(scene: MeasuredScene, curve: Floats, least: float) -> Opening:
     peaks = [statistics.peak(curve[span]) for span in scene.spans]
     flat = "the mouth does not open"
-    return Opening(curve, peaks, ["" if peak >= VISIBLE_SHARE else flat for peak in peaks])
+    return Opening(curve, peaks, ["" if peak >= least else flat for peak in peaks])
 
 
 @once
@@ -299,14 +311,15 @@ def _leads(scene: MeasuredScene, roles: Roles) -> Iterator[tuple[int, float]]:
 
 @measure("shut_vowels", "of frames", limit=0.12)
 def shut_vowels(scene: MeasuredScene) -> Iterable[list[Figure]]:
-    """Frames with a shut jaw, in sounds beside a contact that should open the mouth.
+    """Frames with a shut mouth, in sounds beside a contact that should open it.
 
-    These are the sounds that open the mouth wide if spoken alone. Captures keep the jaw shut for
-    0.08 of the time of vowels beside p b m f v; the limit is 1.5 times that::
+    These are the sounds that open the mouth wide if spoken alone. The lips on the mesh are judged,
+    and the jaw if there is no mesh. Captures keep the jaw shut for 0.08 of the time of vowels
+    beside p b m f v; the limit is 1.5 times that::
 
-        value = frames with the jaw below 0.1 of its peak / frames of such sounds
+        value = frames with the mouth below 0.1 of its peak / frames of such sounds
     """
-    opening, count = _opening(scene), len(scene.ids)
+    opening, count = _lips(scene), len(scene.ids)
     # silence is around each line, so that neighbours of sounds are in their line
     touched = np.asarray(scene.demanded.any(axis=0))
     beside = np.zeros(count, bool)
@@ -330,7 +343,7 @@ def shut_vowels(scene: MeasuredScene) -> Iterable[list[Figure]]:
         counts = shut[own]
         worst = np.argsort(-counts, kind="stable")[:MAX_PLACES]
         told = {
-            n: f"keeps the jaw closed for {frames * frame[line]:.3f} s"
+            n: f"keeps the mouth closed for {frames * frame[line]:.3f} s"
             for n, frames in zip(own[worst].tolist(), counts[worst].tolist(), strict=True)
             if frames
         }
@@ -351,13 +364,14 @@ def opening_lag(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Time from the end of a sound with a contact until the mouth opens for the next sound.
 
     The sounds open the mouth wide if spoken alone, and follow a contact. Each counts the seconds
-    until the jaw reaches 0.1 of its peak and stays above on its way to the peak. A sound that never
+    until the lips on the mesh, or the jaw if there is none, reach 0.1 of their peak and stay above
+    on the way to it. A sound that never
     does so counts as a whole. The limit does not come from captures: released lips open with their
     sound, so the limit is half a frame of the captures::
 
-        value = median over such sounds of (jaw opens - sound begins), at least 0
+        value = median over such sounds of (mouth opens - sound begins), at least 0
     """
-    opening = _opening(scene)
+    opening = _lips(scene)
     touched = np.asarray(scene.demanded.any(axis=0))
     which = (_opens(scene)[1:] & touched[:-1]).nonzero()[0] + 1
     every = _lags(scene, opening, which) if opening.peaks else np.zeros(len(which))
@@ -376,12 +390,12 @@ def opening_lag(scene: MeasuredScene) -> Iterable[list[Figure]]:
 
 
 def _lags(scene: MeasuredScene, opening: Opening, which: Ints) -> Floats:
-    """Return the seconds from the start of sounds until the jaw opens and stays open."""
+    """Return the seconds from the start of sounds until the mouth opens and stays open."""
     curve, times, level = opening.curve, scene.times, opening.level(scene)
     start, end, frames = scene.begin[which], scene.end[which], (scene.frame_line, scene.times)
     bounds = (scene.begin[which - 1], start, end)
     spans = np.column_stack([search(frames, (scene.line[which], one)) for one in bounds]).tolist()
-    # the latest frame with a shut jaw, at each frame
+    # the latest frame with a shut mouth, at each frame
     shut = np.maximum.accumulate(np.where(curve <= level, np.arange(len(curve)), -1))
     lags = (end - start).tolist()
     for number, (far, here, there) in enumerate(spans):

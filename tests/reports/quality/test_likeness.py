@@ -196,7 +196,7 @@ def test_vowels_beside_labials_that_stay_shut_are_found():
     weights[inside, performer().poses.index("open")] = 0
     figure = check(replace(animation, weights=weights))["shut_vowels"]
     assert figure.parts["never"] == 1
-    assert figure.findings[0].what.startswith("aɪ keeps the jaw closed for 0.1")
+    assert figure.findings[0].what.startswith("aɪ keeps the mouth closed for 0.1")
 
 
 def test_a_jaw_that_opens_late_after_labials_lags():

@@ -1,5 +1,7 @@
 """The mouth as a viewer sees it, on heads that are made in code."""
 
+from dataclasses import replace
+
 import face_models
 import numpy as np
 import pytest
@@ -10,6 +12,9 @@ from lipsync_lang.reports.quality.check_animation import check, check_all
 from lipsync_lang.reports.quality.face_columns import face_of
 
 LABELS = "DH AH K AE T S AE T DH EH R AE N D N OW B AA D IY EH L S M EY D K IY P M AH N IY"
+LABIALS_SECONDS = 2.2
+"""Sounds with shut lips, and their neighbours, are after this."""
+
 FLAPPING = ("viseme_DD", "viseme_kk", "viseme_nn", "viseme_CH")
 
 
@@ -91,6 +96,34 @@ def test_a_mouth_that_is_too_wide_fails_unless_its_reach_says_so(judged, monkeyp
     declared = "mouth: declared\n"
     assert "seen_width" in failed(judged(ARKIT, "arkit", declared))
     assert "seen_width" not in failed(judged(ARKIT, "arkit", f"{declared}reach: 3\n"))
+
+
+def test_lips_that_stay_shut_over_an_open_jaw_are_shut_vowels_and_open_late(tmp_path, monkeypatch):
+    monkeypatch.setitem(face_models.OPENINGS, "mouthClose", -0.6)
+    face(tmp_path / "head.glb", *ARKIT)
+    performer = ll.resolve("english", tmp_path / "head.glb")
+    animation = performer.perform(line(), 60)
+    assert {check(animation)[name].passed for name in ("shut_vowels", "opening_lag")} == {True}
+    weights = animation.weights.copy()
+    jaw, shut = (performer.poses.index(name) for name in ("jawOpen", "mouthClose"))
+    late = animation.times > LABIALS_SECONDS
+    weights[late, shut] = weights[late, jaw]
+    quality = check(replace(animation, weights=weights))
+    assert {"shut_vowels", "opening_lag"} <= {figure.name for figure in quality.failed}
+    assert any("keeps the mouth closed" in one.what for one in quality["shut_vowels"].findings)
+
+
+def test_a_solved_head_has_no_limits_of_the_look_that_a_pose_set_allows(judged, monkeypatch):
+    shipped = ll.resolve("english", "facefx")
+    assert {"seen_flaps", "seen_width"} <= shipped.compiled.checks["limits"].keys()
+    shapes = [*shipped.poses]
+    monkeypatch.setitem(face_models.OPENINGS, "open", 0.6)
+    judgements = [
+        judged(shapes, "facefx", more)
+        for more in ("", "checks: {seen_width: 0.9}\n", "mouth: declared\n")
+    ]
+    limits = [[one[name].limit for name in ("seen_flaps", "seen_width")] for one in judgements]
+    assert limits == [[0.25, 0.36], [0.25, 0.9], [0.5, 0.6]]
 
 
 def test_weights_are_judged_without_a_mesh_and_the_result_says_so(judged):
