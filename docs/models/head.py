@@ -644,10 +644,10 @@ def cleared(part: Part, up: float, back: float) -> Part:
 def mouth_parts() -> list[Part]:
     """Teeth, gums and tongue."""
     upper, lower = LINE + 0.35, LINE - 0.52
-    uppers = cleared(tooth_row("teeth", upper, 0.52), 0.45, 0.7)
+    uppers = cleared(tooth_row("teeth", upper, 0.52), 0.8, 0.7)
     lowers = cleared(on_jaw(tooth_row("lower teeth", lower, 0.46, back=0.3)), -0.6, 0.5)
     gums = [
-        cleared(gum("gums", upper + 0.62, 0.4), 0.45, 0.7),
+        cleared(gum("gums", upper + 0.62, 0.4), 0.8, 0.7),
         cleared(on_jaw(gum("lower gums", lower - 0.55, 0.36, back=0.3)), -0.6, 0.5),
     ]
     return [
