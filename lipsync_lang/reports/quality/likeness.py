@@ -79,7 +79,7 @@ LEAST_SOUNDS = 3
 
 
 class Opening(NamedTuple):
-    """How far the jaw, or the mouth, is open."""
+    """Opening of the jaw, or of the mouth on the mesh."""
 
     curve: Floats
     """(T,) sum of the columns that open the jaw, or the aperture on the mesh."""
