@@ -48,7 +48,15 @@ PARTS = {
     "articulation": Part("articulography.py", ["DATA/articulography"], EMA),
     "mouths": Part(
         "mouths.py",
-        ["DATA/films", "-c", "facefx", "-c", "HEADS/ict.glb"],
+        [
+            "DATA/films",
+            "-c",
+            "facefx",
+            "-c",
+            "HEADS/ict.glb",
+            "-c",
+            "DATA/rigs/head_arkit52_oculus15.glb",
+        ],
         "twenty sentences of a GRID speaker (CC BY 4.0) that no mouth was learnt from",
     ),
     "motion": Part(
