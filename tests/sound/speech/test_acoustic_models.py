@@ -289,7 +289,7 @@ def filled(name, number):
 
     def change(folder):
         content = bytearray((folder / name).read_bytes())
-        at = content.index(b"endhdr\n") + 60
+        at = content.index(b"endhdr\n") + 39
         content[at : at + 400] = struct.pack("<100f", *[number] * 100)
         (folder / name).write_bytes(content)
 
