@@ -4,6 +4,7 @@ import codecs
 import json
 import re
 from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
 MAX_TIMINGS_BYTES = 64 * MIB_BYTES
+
+NAME_ENCODING = ", or name its encoding (`encoding='cp1252'`)"
+"""Advice on text in another encoding, for callers who can name it."""
 
 HEAD_BYTES = 4096
 """Number of first bytes that identify a format."""
@@ -79,8 +83,8 @@ class TimingFile:
         except UnicodeDecodeError as error:
             line = self.content.count(b"\n", 0, error.start) + 1
             asked = encoding if self.encoding else "UTF-8 or UTF-16"
-            mend = "save it as UTF-8, or name its encoding (`encoding='cp1252'`)"
-            raise self.fault(f"is not {asked} text (byte {error.start}); {mend}", line) from None
+            what = f"is not {asked} text (byte {error.start}); save it as UTF-8{NAME_ENCODING}"
+            raise self.fault(what, line) from None
         except (LookupError, ValueError):  # ValueError: a name with a zero byte
             what = f"unknown encoding '{encoding}'; try utf-8, utf-16, cp1252 or shift_jis"
             raise self.fault(what) from None
@@ -265,6 +269,15 @@ def plain_fields(value: object) -> Json:
     """Return an object with one spelling of its names, in small letters without underscores."""
     fields = value if isinstance(value, dict) else {}
     return {name.replace("_", "").lower(): field for name, field in fields.items()}
+
+
+@contextmanager
+def unnamed_encoding() -> Iterator[None]:
+    """Leave the advice to name an encoding out of errors, where users cannot follow it."""
+    try:
+        yield
+    except ScheduleError as error:
+        raise ScheduleError(str(error).replace(NAME_ENCODING, "")) from None
 
 
 def timing_bytes(path: Path) -> bytes:

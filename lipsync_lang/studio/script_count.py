@@ -22,6 +22,7 @@ from lipsync_lang.packs.finding import FOLDERS
 from lipsync_lang.packs.project import find_project, load_project
 from lipsync_lang.packs.speaker_faces import SpeakerFaces, stated_faces
 from lipsync_lang.performing.performer import Performer
+from lipsync_lang.production.builds.script_faults import in_words_of_project
 from lipsync_lang.reports.coverage.corpus import Pages, Reading, Takes, count
 from lipsync_lang.reports.coverage.report import CoverageReport
 from lipsync_lang.reports.coverage.report_figures import CountFigures, report_of
@@ -138,7 +139,7 @@ class _CountRun:
             else:
                 self.fault = f"{path.name} has no lines to count"
         except LipsyncError as error:
-            self.fault = str(error).replace(folder, "")
+            self.fault = in_words_of_project(error).replace(folder, "")
         except Exception:  # noqa: BLE001 a thread has nobody else to tell
             _log.exception("counting %s failed", path)
             self.fault = (

@@ -174,6 +174,8 @@ def test_validate_tries_the_formats_on_a_file_and_says_where_they_end(cli, tmp_p
     assert "there is no `phones` among said, sounds" in ended.out
     path.write_text(json.dumps({"result": {"phones": [phone("M", 0, 90), {"symbol": "P"}]}}))
     assert "does not fit a.json: record 2 has no 'from'" in cli("validate", "a.json").out
+    path.write_bytes('{"result": "Ä"}'.encode("cp1252"))
+    assert cli("validate", "a.json").out.strip().endswith("save it as UTF-8")
 
 
 def test_validate_tries_the_formats_on_the_timings_of_lines(cli, tmp_path, monkeypatch):

@@ -274,6 +274,11 @@ def test_a_file_of_no_name_or_form_is_told(caller, name):
     assert caller.post("timings", b"nothing", {"name": name}).status == 422
 
 
+def test_a_sent_file_in_another_encoding_has_one_cure(caller):
+    content = "label,start,end\nÄ,0,1\n".encode("cp1252")
+    assert caller.post("timings", content, {"name": "a.csv"}).json["error"].endswith("as UTF-8")
+
+
 def test_a_sent_file_stays_in_its_folder(workshop, tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     line_routes.timings(

@@ -38,7 +38,7 @@ from lipsync_lang.plugins.capture.fit_file import SetAside
 from lipsync_lang.plugins.capture.fit_lines import CapturedLine, resampled
 from lipsync_lang.reports.quality.fitting import even_times, placed_columns
 from lipsync_lang.schedules.schedule import SILENCE
-from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_file import TimingFile, unnamed_encoding
 from lipsync_lang.schedules.timing_readers import timings_of
 
 MIN_SAMPLES = 2
@@ -285,7 +285,8 @@ def timed_capture(
 
         quiet = {*performer.compiled.silences, *(readout.silences if readout else ())}
         silences = frozenset(one.casefold() for one in quiet)
-        found = timings_of(TimingFile.of(files.timings, silences=silences))
+        with unnamed_encoding():
+            found = timings_of(TimingFile.of(files.timings, silences=silences))
         if isinstance(found, TimedWords):
             return filled(performer.speaker, found, audio=files.audio)
         notation = notation or (readout.notation if readout else None) or found.notation

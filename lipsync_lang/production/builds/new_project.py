@@ -329,7 +329,9 @@ def _headed(cells: Cells, taken: Collection[int], finder: Finder) -> dict[str, s
     """
     found: dict[str, str] = {}
     for at, name in enumerate(cells.head):
-        parts = language_parts(name) if at not in taken and cells.at(at) else ()
+        # The "id" of Indonesian is more often a second column of ids.
+        texts = at not in taken and name.casefold() not in NAME_COLUMNS and cells.at(at)
+        parts = language_parts(name) if texts else ()
         own = next((own for part in parts if (own := _language(finder, part))), None)
         if own is not None and own not in found:
             alone = language_column(cells.head, finder.column_names(own)) == at

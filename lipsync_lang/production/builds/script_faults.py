@@ -1,5 +1,6 @@
 """Faults of a project and its script, collected so that a person can mend all of them at once."""
 
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +12,8 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.models import Project
     from lipsync_lang.packs.pack import Pack
     from lipsync_lang.packs.yaml.source import Loc
+
+_ENCODING = re.compile(r"`encoding='([\w-]+)'`")
 
 SHOWN_FAULTS = 12
 """Maximum number of a script's faults in a message; further faults are counted."""
@@ -30,6 +33,11 @@ class PlanningError(LipsyncError):
         more = len(self.stated) - SHOWN_FAULTS
         rest = [f"and {more} more of this project; `lipsync-lang validate` lists all"] * (more > 0)
         super().__init__("\n".join([*map(str, self.stated[:SHOWN_FAULTS]), *rest, *self.told]))
+
+
+def in_words_of_project(error: LipsyncError) -> str:
+    """Return the message of a reader of scripts, whose argument `encoding` is a field here."""
+    return _ENCODING.sub(r"`encoding: \1`", str(error))
 
 
 class ScriptFaults:

@@ -14,7 +14,7 @@ from lipsync_lang.base.errors import LipsyncError, ScheduleError, shortlist
 from lipsync_lang.base.files.names import fault_of_name, folded_name
 from lipsync_lang.packs.models.project_models import ScriptColumns
 from lipsync_lang.packs.yaml.faults import Fault
-from lipsync_lang.production.builds.script_faults import ScriptFaults
+from lipsync_lang.production.builds.script_faults import ScriptFaults, in_words_of_project
 from lipsync_lang.text.lines import Line, read_lines
 from lipsync_lang.text.lines.columns import (
     NAME_COLUMNS,
@@ -34,9 +34,6 @@ DIGEST_CHARS = 8
 SHOWN_IDS = 4
 LINE_TAG = "line:"
 """Start of the ids in tables of Yarn Spinner, which its scripts leave out of a line's name."""
-
-ENCODING = re.compile(r"`encoding='([\w-]+)'`")
-"""An argument of Python in the messages of readers; here it is a field of the project."""
 
 
 class ScriptLanguage(NamedTuple):
@@ -120,11 +117,11 @@ def read_rows(
         yield from rows.values()
     except ScheduleError as error:
         if not file.among_others:
-            faults.add_error(error)
+            faults.add_error(in_words_of_project(error))
         else:
             remark(f"{str(error).partition(chr(10))[0].removesuffix(':')}; left out")
     except LipsyncError as error:
-        faults.add_error(ENCODING.sub(r"`encoding: \1`", str(error)), first=True)
+        faults.add_error(in_words_of_project(error), first=True)
 
 
 def read_apart(

@@ -183,11 +183,13 @@ def _from_timings(
     speaker: Speaker, folder: Path, line: PlannedLine, cache: TimingCache | None
 ) -> Schedule:
     from lipsync_lang.schedules.timed_words import TimedWords
+    from lipsync_lang.schedules.timing_file import unnamed_encoding
     from lipsync_lang.schedules.timing_readers import read_timings
     from lipsync_lang.sound.speech.filling import with_phonemes
 
     assert line.timings is not None  # noqa: S101 the caller asked for lines with timings
-    found = read_timings(folder / line.timings)
+    with unnamed_encoding():
+        found = read_timings(folder / line.timings)
     audio = None if line.audio is None else folder / line.audio
     if isinstance(found, TimedWords):
         made = cache.load(line) if cache is not None else None

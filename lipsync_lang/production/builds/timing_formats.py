@@ -9,6 +9,7 @@ from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.project import FILE, load_project
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults
+from lipsync_lang.production.builds.script_faults import in_words_of_project
 
 if TYPE_CHECKING:
     from lipsync_lang.base.extensions import Formats
@@ -107,30 +108,31 @@ def check_files(pack: Pack[Project], files: Iterable[Path]) -> Iterator[Fault]:
         told: list[Fault] = []
         for kind, name in formats_for(pack.model, path):
             try:
-                _try(kind, name, path)
+                _try(kind, name, path, pack.model.encoding)
                 break
             except LipsyncError as error:
-                what = f"does not fit {error}"
+                what = f"does not fit {in_words_of_project(error)}"
                 told.append(pack.fault((kind, name), "P409", what, key=True))
         else:
             yield from told
 
 
-def _try(kind: str, name: str, path: Path) -> None:
+def _try(kind: str, name: str, path: Path, encoding: str | None) -> None:
     """Read a file in a format of the project; timings may be in any other, too."""
-    from lipsync_lang.schedules.timing_file import TimingFile
+    from lipsync_lang.schedules.timing_file import TimingFile, unnamed_encoding
     from lipsync_lang.schedules.timing_readers import read_timings
     from lipsync_lang.text.lines import read_lines
     from lipsync_lang.text.lines.json_scripts import JSON_SCRIPTS
 
     if kind == "script_formats":
-        _ = [*read_lines(path, remark=lambda _: None)]
-        own, file = JSON_SCRIPTS.get(name), TimingFile.of(path)
+        _ = [*read_lines(path, encoding=encoding, remark=lambda _: None)]
+        own, file = JSON_SCRIPTS.get(name), TimingFile.of(path, encoding=encoding)
         if own is not None and not own.fits(file.document):  # another format has read it
             raise own.misfit(file)
         return
-    try:
-        read_timings(path)
-    except LipsyncError:
-        read_timings(path, read_as=name)
-        raise
+    with unnamed_encoding():
+        try:
+            read_timings(path)
+        except LipsyncError:
+            read_timings(path, read_as=name)
+            raise

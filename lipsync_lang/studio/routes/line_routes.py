@@ -19,6 +19,7 @@ from lipsync_lang.performing.performer import Performer, performer_of
 from lipsync_lang.reports.quality.check_animation import check
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timing_file import unnamed_encoding
 from lipsync_lang.schedules.timing_readers import read_timings
 from lipsync_lang.sound.speech.sound import read_audio
 from lipsync_lang.studio.array_pack import ArrayPack
@@ -65,7 +66,7 @@ def timings(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Read timed phonemes of a file, and keep the sound that was opened before."""
     from lipsync_lang.sound.speech.filling import with_phonemes
 
-    with TemporaryDirectory() as folder:
+    with TemporaryDirectory() as folder, unnamed_encoding():
         found = read_timings(sent_file(request, Path(folder)), request.query.get("notation"))
     speaker = workshop.performer.speaker
     schedule = with_phonemes(speaker, found)

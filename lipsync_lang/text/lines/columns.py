@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from lipsync_lang.text.lines.line_readers import LineFile
 
 TEXT_COLUMNS = ("text", "line", "dialogue", "dialog", "subtitle", "message", "source", "string")
-NAME_COLUMNS = ("line_id", "lineid", "id", "key", "keys", "name", "identifier")
+# Keys before ids: tables of Unity Localization have both, and its ids are long numbers.
+NAME_COLUMNS = ("line_id", "lineid", "key", "keys", "id", "name", "identifier")
 SPEAKER_COLUMNS = ("speaker", "character", "who", "actor", "role")
 """Names of columns, in small letters, most likely first."""
 

@@ -50,11 +50,14 @@ def test_each_line_is_timed_by_what_it_has(tmp_path, monkeypatch):
         line("e", "Bye.", audio="e.wav"),
         line("f", "Now.", timings="missing.json"),
         line("g", "Oh."),
+        line("h", timings="h.csv"),
     ]
+    (tmp_path / "h.csv").write_bytes("label,start,end\nÄ,0,1\n".encode("cp1252"))
     found = schedules(tmp_path, lines, voice, "espeak")
     assert (found[0], found[6]) == ("espeak says Hello.", "espeak says Oh.")
     assert (found[1], found[4]) == ("b.wav with Well?", "e.wav with Bye.")
     assert str(found[2]) == "c.wav is silent"
     assert found[3].labels == ("AA",)
     assert "missing.json" in str(found[5])
+    assert str(found[7]).endswith("save it as UTF-8")
     assert (voice.asked, sorted(taken)) == (1, ["align", "recognise"])

@@ -360,6 +360,12 @@ def test_the_encoding_of_a_script_is_a_field_of_the_project(game):
     assert "unknown encoding" in refusal(game, encoding="cp99", **one)
 
 
+def test_ids_of_unity_are_its_keys(game):
+    put(game, "script.csv", text="Key,Id,English(en)\nintro_1,231455,Hello.\n")
+    one = {"languages": "[english]", "cast": None, "character": "crab"}
+    assert [line.name for line in planned(game, **one)] == ["intro_1"]
+
+
 @pytest.mark.parametrize(
     ("head", "changed", "fault"),
     [
