@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
-from lanes import full, swept
+from hypothesis import example, given
+from hypothesis import strategies as st
+from lanes import costly, full, swept
 from shipped import LIBRARY
 
 import lipsync_lang as ll
@@ -75,6 +77,20 @@ def test_a_language_without_a_letter_takes_the_nearest():
     assert (spelled["M"], spelled["F"], spelled["V"], spelled["Z"]) == ("m", "f", "f", "s")
     with pytest.raises(ll.SpeechError, match="toy has no notation 'ipa'"):
         recognised(Speaker(Manner("toy"), {}), SECOND, recogniser="sound")
+
+
+@costly()
+@given(st.integers(1, 3000), st.sampled_from([8000, 16000, 22050, 44100, 48000]))
+@example(18757, 16000)
+def test_no_phoneme_begins_behind_the_end_of_the_sound(names, samples, rate):
+    audio = ll.Audio(np.zeros(samples, np.int16), rate)
+    turns = np.array([names.index("M"), names.index("AA")])
+    with pytest.MonkeyPatch.context() as patch:
+        # another phone in each frame, the last one included
+        patch.setattr(recording, "likeliest_path", lambda risk: np.resize(turns, len(risk)))
+        found = recognised(Speaker.of("finnish"), audio, recogniser="sound")
+    assert (np.diff(found.times) > 0).all()
+    assert found.times[-1] == audio.seconds
 
 
 def test_sounds_are_heard_in_the_letters_of_the_language(hear):
