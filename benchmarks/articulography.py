@@ -19,6 +19,7 @@ import json_figures
 import numpy as np
 
 import lipsync_lang as ll
+from lipsync_lang.packs.finding import MODEL_SUFFIXES
 from lipsync_lang.plugins.capture.capture_reading import read_captures
 from lipsync_lang.reports.quality.baselines import dominance, keyframes, read_out
 from lipsync_lang.sound.speech.sound import read_audio
@@ -60,6 +61,10 @@ def correlate(
 
 def main(folder: Path, poseset: str = "facefx", file: Path | None = None) -> int:
     """Print the table."""
+    if poseset.lower().endswith(MODEL_SUFFIXES):
+        make = "make one of the model (`lipsync-lang characters new`), and name it"
+        print(f"{poseset}: is a model, and the plain methods need a character; {make}")
+        return 1
     performer = ll.resolve(LANGUAGE, poseset)
     lines = recordings(folder, performer)
     if not lines:

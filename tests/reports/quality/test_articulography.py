@@ -51,6 +51,8 @@ def test_the_table_is_printed_and_an_empty_folder_is_told(bench, data, tmp_path,
     assert len(kept["recordings"]) == len(kept["r"]["aperture"]["drafted bank"])
     assert bench.main(tmp_path) == 1
     assert "holds no recordings" in capsys.readouterr().out
+    assert bench.main(tmp_path, "head.glb") == 1
+    assert "head.glb: is a model" in capsys.readouterr().out
 
 
 def test_keyframes_stand_at_their_targets_in_the_middle_of_each_phoneme():
