@@ -1,6 +1,7 @@
 """Fixtures of all tests: folders, a separate cache, and the command line."""
 
 import gc
+import json
 import os
 import re
 import signal
@@ -20,6 +21,7 @@ from shipped import read_once
 
 from lipsync_lang.cli import main
 from lipsync_lang.pipeline import kernel
+from lipsync_lang.text.lines import read_lines
 
 sys.path.extend({str(module.parent) for module in sorted(TESTS.rglob("*.py"))})
 DATA = "LIPSYNC_LANG_TEST_DATA"
@@ -120,6 +122,19 @@ def cli(capsys):
         ended = Ended(code, *capsys.readouterr())
         assert "Traceback" not in ended.err
         return ended
+
+    return run
+
+
+@pytest.fixture
+def texts_read(tmp_path):
+    """Write a script, and read (name, text) of its lines."""
+
+    def run(name, text, **options):
+        path = tmp_path / name
+        path.write_text(text if isinstance(text, str) else json.dumps(text), "utf-8")
+        options = {"remark": lambda _: None, **options}
+        return [(line.name, line.text) for line in read_lines(path, **options)]
 
     return run
 

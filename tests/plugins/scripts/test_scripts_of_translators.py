@@ -1,7 +1,5 @@
 """Files for translation with a logic of their own: terms, languages, and files that attack."""
 
-import json
-
 import pytest
 
 from lipsync_lang import LipsyncError
@@ -10,22 +8,11 @@ from lipsync_lang.text.lines.entries import MAX_ENTRY_DEPTH
 from lipsync_lang.text.lines.markup import Cleaning
 
 
-@pytest.fixture
-def read(tmp_path):
-    """Write a file, and read (name, text) of its lines."""
-
-    def run(name, text, **options):
-        path = tmp_path / name
-        path.write_text(text if isinstance(text, str) else json.dumps(text), "utf-8")
-        options = {"remark": lambda _: None, **options}
-        return [(line.name, line.text) for line in read_lines(path, **options)]
-
-    return run
-
-
-def test_the_language_chooses_the_tree(read):
+def test_the_language_chooses_the_tree(texts_read):
     names = ("german", "German", "de")
-    assert read("de.yml", "en:\n  a: Hello.\nde:\n  a: Hallo.\n", names=names) == [("a", "Hallo.")]
+    assert texts_read("de.yml", "en:\n  a: Hello.\nde:\n  a: Hallo.\n", names=names) == [
+        ("a", "Hallo.")
+    ]
 
 
 TERMS = """-map = { $case ->
@@ -46,15 +33,15 @@ b =
 """
 
 
-def test_terms_and_selectors_of_fluent(read):
-    assert read("a.ftl", TERMS) == [
+def test_terms_and_selectors_of_fluent(texts_read):
+    assert texts_read("a.ftl", TERMS) == [
         ("a", "See the map, the end of the map."),
         ("b-one", "the map"),
         ("b-other-two", "two maps"),
         ("b-other-other", "maps"),
     ]
     known = Cleaning({"n": "1"})
-    assert read("a.ftl", TERMS, cleaning=known)[1:] == [("b", "the map")]
+    assert texts_read("a.ftl", TERMS, cleaning=known)[1:] == [("b", "the map")]
 
 
 def test_a_comment_of_fluent_names_the_speaker_of_its_message_and_attributes(tmp_path):
@@ -73,13 +60,13 @@ def test_a_comment_of_fluent_names_the_speaker_of_its_message_and_attributes(tmp
         ("a.strings", '"a" = "Hello, %@.";'),
     ],
 )
-def test_placeholders_have_the_values_of_the_project(read, name, text):
+def test_placeholders_have_the_values_of_the_project(texts_read, name, text):
     values = Cleaning({"who": "Bo", "%@": "Bo"})
-    assert [text for _, text in read(name, text, cleaning=values)] == ["Hello, Bo."]
-    assert [text for _, text in read(name, text)] == ["Hello,."]
+    assert [text for _, text in texts_read(name, text, cleaning=values)] == ["Hello, Bo."]
+    assert [text for _, text in texts_read(name, text)] == ["Hello,."]
 
 
-def test_names_of_rpg_maker_have_values(read):
+def test_names_of_rpg_maker_have_values(texts_read):
     page = [{"code": 101, "parameters": ["", 0, 0, 2, "Harold"]}]
     page += [
         {"code": 401, "parameters": ["\\c[5]Hello\\c[0], \\n[1]."]},
@@ -87,7 +74,7 @@ def test_names_of_rpg_maker_have_values(read):
     ]
     whole = {"events": [None, {"id": 1, "pages": [{"list": page}]}]}
     values = Cleaning({"\\N[1]": "Bo"})
-    assert read("Map001.json", whole, cleaning=values) == [("Map001.1.0.0", "Hello, Bo.")]
+    assert texts_read("Map001.json", whole, cleaning=values) == [("Map001.1.0.0", "Hello, Bo.")]
 
 
 EXTERNAL = '<!DOCTYPE r [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
@@ -108,17 +95,17 @@ DEEP = MAX_ENTRY_DEPTH * 4
         ("a.stringsdict", "<plist><key>a</key></plist>", ":1: not a property list"),
     ],
 )
-def test_attacks_and_damage_are_refused_by_a_limit_or_at_a_place(read, name, text, message):
+def test_attacks_and_damage_are_refused_by_a_limit_or_at_a_place(texts_read, name, text, message):
     with pytest.raises(LipsyncError) as refused:
-        read(name, text)
+        texts_read(name, text)
     assert message in str(refused.value)
 
 
-def test_aliases_within_aliases_are_counted(read):
+def test_aliases_within_aliases_are_counted(texts_read):
     rows = ["a: &a [x, x, x, x, x, x, x, x, x, x]"]
     rows += [
         f"{two}: &{two} [{', '.join([f'*{one}'] * 10)}]"
         for one, two in ("ab", "bc", "cd", "de", "ef")
     ]
     with pytest.raises(LipsyncError, match="more than 200,000 texts"):
-        read("a.yml", "\n".join(rows))
+        texts_read("a.yml", "\n".join(rows))

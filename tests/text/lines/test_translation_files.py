@@ -1,7 +1,5 @@
 """Files for translation: states, languages, forms and placeholders, and files that attack."""
 
-import json
-
 import pytest
 from script_samples import LINES, SEEDS
 
@@ -12,19 +10,6 @@ from lipsync_lang.text.lines.entries import MAX_ENTRY_DEPTH
 from lipsync_lang.text.lines.markup import Cleaning
 
 GERMAN, ENGLISH = ("german", "German", "de"), ("english", "English", "en")
-
-
-@pytest.fixture
-def read(tmp_path):
-    """Write a file, and read (name, text) of its lines."""
-
-    def run(name, text, **options):
-        path = tmp_path / name
-        path.write_text(text if isinstance(text, str) else json.dumps(text), "utf-8")
-        options = {"remark": lambda _: None, **options}
-        return [(line.name, line.text) for line in read_lines(path, **options)]
-
-    return run
 
 
 @pytest.mark.parametrize("seed", LINES)
@@ -43,38 +28,38 @@ def xliff(*targets):
     return f"{head}{units}</body></file></xliff>"
 
 
-def test_a_file_without_translations_gives_its_originals(read):
+def test_a_file_without_translations_gives_its_originals(texts_read):
     remarks = []
     whole = xliff("<target>Geh.</target>", "", '<target state="new">Go 2.</target>')
-    assert read("a.xlf", whole, remark=remarks.append) == [("0", "Geh.")]
+    assert texts_read("a.xlf", whole, remark=remarks.append) == [("0", "Geh.")]
     assert "left out 2 empty or untranslated entries" in remarks[0]
-    assert read("a.xlf", xliff("", "")) == [("0", "Go 0."), ("1", "Go 1.")]
+    assert texts_read("a.xlf", xliff("", "")) == [("0", "Go 0."), ("1", "Go 1.")]
 
 
-def test_the_language_chooses_the_side_and_the_file(read):
+def test_the_language_chooses_the_side_and_the_file(texts_read):
     whole = xliff("<target>Geh.</target>", "")
-    assert read("a.xlf", whole, names=ENGLISH) == [("0", "Go 0."), ("1", "Go 1.")]
+    assert texts_read("a.xlf", whole, names=ENGLISH) == [("0", "Go 0."), ("1", "Go 1.")]
     other = xliff("<target>Va.</target>").replace("de-DE", "fr").partition("<file")[2]
     both = whole.replace("</xliff>", "") + "<file" + other
-    assert read("a.xlf", both, names=GERMAN) == [("0", "Geh.")]
-    assert read("a.xlf", both, names=("french", "French", "fr")) == [("0", "Va.")]
+    assert texts_read("a.xlf", both, names=GERMAN) == [("0", "Geh.")]
+    assert texts_read("a.xlf", both, names=("french", "French", "fr")) == [("0", "Va.")]
 
 
-def test_languages_of_one_file_in_json(read):
+def test_languages_of_one_file_in_json(texts_read):
     whole = {"en": {"a": {"b": "Hello."}}, "de": {"a": {"b": "Hallo."}}}
-    assert read("a.json", whole, names=GERMAN) == [("a.b", "Hallo.")]
+    assert texts_read("a.json", whole, names=GERMAN) == [("a.b", "Hallo.")]
     catalogue = (SEEDS / "xcstrings" / "1.xcstrings").read_text("utf-8")
     german = [("Hello", "Hallo"), ("maps %lld.one", "Karte"), ("maps %lld.other", "Karten")]
-    assert read("a.xcstrings", catalogue, names=GERMAN) == german
-    assert read("a.xcstrings", catalogue, names=ENGLISH)[0] == ("Hello", "Hello")
-    assert read("a.xcstrings", catalogue, names=("french", "French", "fr")) == []
+    assert texts_read("a.xcstrings", catalogue, names=GERMAN) == german
+    assert texts_read("a.xcstrings", catalogue, names=ENGLISH)[0] == ("Hello", "Hello")
+    assert texts_read("a.xcstrings", catalogue, names=("french", "French", "fr")) == []
 
 
 MAPS = "{n, plural, =0 {No map} one {# {kind, select, old {old map} other {map}}} other {# maps}}"
 
 
-def test_each_form_of_a_message_is_a_line(read):
-    found = read("a.arb", {"maps": MAPS})
+def test_each_form_of_a_message_is_a_line(texts_read):
+    found = texts_read("a.arb", {"maps": MAPS})
     assert found == [
         ("maps-0", "No map"),
         ("maps-one-old", "old map"),
@@ -82,9 +67,9 @@ def test_each_form_of_a_message_is_a_line(read):
         ("maps-other", "maps"),
     ]
     known = Cleaning({"n": "2", "kind": "old"})
-    assert read("a.arb", {"maps": MAPS}, cleaning=known) == [("maps", "2 maps")]
+    assert texts_read("a.arb", {"maps": MAPS}, cleaning=known) == [("maps", "2 maps")]
     many = " ".join(f"{{a{at}, select, x {{X}} other {{Y}}}}" for at in range(12))
-    assert read("a.arb", {"many": many}) == [("many", " ".join("Y" * 12))]
+    assert texts_read("a.arb", {"many": many}) == [("many", " ".join("Y" * 12))]
 
 
 @pytest.mark.parametrize(
@@ -94,10 +79,10 @@ def test_each_form_of_a_message_is_a_line(read):
         ("a.xlf", xliff('<target>Hello, <x id="who"/>.</target>').replace('id="0"', 'id="a"')),
     ],
 )
-def test_placeholders_have_the_values_of_the_project(read, name, text):
+def test_placeholders_have_the_values_of_the_project(texts_read, name, text):
     values = Cleaning({"who": "Bo", "%@": "Bo"})
-    assert [text for _, text in read(name, text, cleaning=values)] == ["Hello, Bo."]
-    assert [text for _, text in read(name, text)] == ["Hello,."]
+    assert [text for _, text in texts_read(name, text, cleaning=values)] == ["Hello, Bo."]
+    assert [text for _, text in texts_read(name, text)] == ["Hello,."]
 
 
 BOMB = '<!DOCTYPE r [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;">]>'
@@ -122,13 +107,13 @@ DEEP = MAX_ENTRY_DEPTH * 4
         ("a.json", '{"a": "x",\n"b": }', ":2:6: not JSON"),
     ],
 )
-def test_attacks_and_damage_are_refused_by_a_limit_or_at_a_place(read, name, text, message):
+def test_attacks_and_damage_are_refused_by_a_limit_or_at_a_place(texts_read, name, text, message):
     with pytest.raises(LipsyncError) as refused:
-        read(name, text)
+        texts_read(name, text)
     assert message in str(refused.value)
 
 
-def test_a_file_above_the_limit_is_refused(read, monkeypatch):
+def test_a_file_above_the_limit_is_refused(texts_read, monkeypatch):
     monkeypatch.setattr(timing_file, "MAX_TIMINGS_BYTES", 2**20)
     with pytest.raises(LipsyncError, match="is larger than 1 MB"):
-        read("a.xlf", xliff("<target>x</target>") + " " * 2**20)
+        texts_read("a.xlf", xliff("<target>x</target>") + " " * 2**20)
