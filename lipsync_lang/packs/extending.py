@@ -6,6 +6,7 @@ from unicodedata import normalize
 from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault, shown
+from lipsync_lang.text.phonology.labels import normalise
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,7 +20,7 @@ REPLACED_FIELDS = (
 """Fields that a child replaces as a whole, or inherits."""
 
 JOINED_FIELDS = {
-    "notations": "by label: a label of the child replaces that of the parent",
+    "notations": "by label: a label of the child replaces that of the parent in any spelling",
     **dict.fromkeys(
         ("adds", "durations", "examples", "reasons"),
         "by entry: an entry of the child replaces that of the parent",
@@ -137,7 +138,10 @@ def merge(parent: "Language", child: "Language") -> "Language":
     taken["silence"] = tuple(dict.fromkeys((*parent.silence, *child.silence)))
     notations = {name: dict(labels) for name, labels in parent.notations.items()}
     for name, labels in child.notations.items():
-        notations.setdefault(name, {}).update(labels)
+        # `ɡ` and `g` are one label
+        anew, known = set(map(normalise, labels)), notations.get(name, {}).items()
+        kept = {one: way for one, way in known if one in labels or normalise(one) not in anew}
+        notations[name] = kept | labels
     return child.model_copy(update={**taken, "notations": notations})
 
 

@@ -46,6 +46,13 @@ def test_a_child_with_another_engine_or_by_its_wish_has_its_own_alone(child, g2p
     assert not made.readings
 
 
+def test_a_label_of_a_child_replaces_that_of_its_parent_in_any_spelling(child):
+    table = child("notations: {ipa: {g: d}}\n", "english", "en").notations["ipa"]
+    assert "ɡ" not in table
+    assert table["g"].value == (("d", 1.0),)
+    assert {*Library().language("english").model.notations["ipa"]} - {*table} == {"ɡ"}
+
+
 def test_another_voice_keeps_no_corrections_of_the_first(child):
     made = child("g2p: {engine: espeak, voice: en-gb}\n", "english", "en").g2p
     assert (made.voice, made.corrections) == ("en-gb", ())

@@ -109,6 +109,7 @@ def test_the_first_rule_that_fits_wins_and_labels_need_none():
     assert read(rules, labels, "Chile").labels == ("tʃ", "i", "l", "e")
     assert read(rules, labels, "cielha").labels == ("θ", "i", "e", "l", "a")
     assert read(rules, labels, "carrar").labels == ("k", "a", "rr", "a", "r")
+    assert read([], ["ɡ", "a"], "gaɡa").labels == ("ɡ", "a", "ɡ", "a")
 
 
 def test_contexts_look_both_ways_and_know_where_a_word_ends():

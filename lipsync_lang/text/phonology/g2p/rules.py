@@ -32,6 +32,7 @@ from lipsync_lang.text.phonology.g2p.g2p_engines import (
     respeller,
 )
 from lipsync_lang.text.phonology.g2p.tokens import plain, read_words
+from lipsync_lang.text.phonology.labels import normalise
 
 _ABBREVIATION = re.compile("[^a-z]{,3}|[^AEIOUa-z]+")
 """Capitals that are spelled: few ones, or without a vowel; others are a word, as `FAILED`."""
@@ -73,8 +74,8 @@ class Rewriter:
             made = _compile(number, rule)
             self._rules.setdefault(made.spelling[:1], []).append(made)
         for label in labels:
-            letters = plain(label)
-            if letters:
+            # a keyboard has `g`, and no `ɡ`
+            for letters in filter(None, dict.fromkeys((plain(label), plain(normalise(label))))):
                 self._labels.setdefault(letters[0], []).append((letters, label))
         for known in self._labels.values():
             known.sort(key=lambda pair: -len(pair[0]))
