@@ -381,7 +381,7 @@ def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
     yield from (f"wrote {path}" for path in figures["reports"])
     yield from figures["remarks"][:SHOWN_LINES]
     if len(figures["remarks"]) > SHOWN_LINES:
-        yield f"and {len(figures['remarks']) - SHOWN_LINES} more remarks on models; --json has all"
+        yield f"and {len(figures['remarks']) - SHOWN_LINES} more remarks; --json has all"
     if figures["kept"]:
         yield _kept(figures["kept"])
     if figures["gone"]:

@@ -90,6 +90,7 @@ class Schedule:
     source : name of this schedule in messages
     unread : characters of the original text that could not be read
     dropped : markup of the original text that is not spoken, in order
+    left_out : words of the text that the sound lacks, in order
     likely : the likeliest labels of each phoneme, best first, with their probability, where the
         sound alone was heard; empty otherwise
     lines : line in the file of each label; empty if unknown
@@ -116,6 +117,7 @@ class Schedule:
     stress: tuple[int | None, ...] = ()
     dropped: tuple[str, ...] = ()
     likely: tuple[tuple[tuple[str, float], ...], ...] = ()
+    left_out: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Raise an error for faulty times, labels and words."""

@@ -7,6 +7,7 @@ own.
 
 import json
 import os
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -199,6 +200,7 @@ class JsonReport:
             "confidence": line.confidence,
             "figures": {one.name: {"value": one.value, "limit": one.limit} for one in line.figures},
             "failed": [figure.name for figure in line.failed],
+            "left_out": list(line.left_out),
         }
         self._rows.write(f"{json.dumps(row, ensure_ascii=True)}\n")
 
@@ -236,12 +238,14 @@ class JunitReport:
 
     A line that failed is an error, one over a limit a failure.
     A line is skipped if one of its outputs was left alone, because somebody changed it.
+    The output of a suite lists the words that recordings lack.
     """
 
     def __init__(self, heading: BuildHeading) -> None:
         self._heading = heading
         self._kept = frozenset(heading.kept)
         self._cases: dict[str, list[JunitCase]] = {}
+        self._left_out: dict[str, list[str]] = defaultdict(list)
 
     def add(self, line: BuiltLine) -> None:
         """Add the case of a line."""
@@ -263,11 +267,16 @@ class JunitReport:
             message = f"kept, because it was changed: {', '.join(kept)}"
             case = replace(case, outcome="skipped", message=message)
         self._cases.setdefault(suite, []).append(case)
+        if line.left_out:
+            self._left_out[suite].append(f"{place}: {name} lacks {', '.join(line.left_out)}")
 
     def write(self, out: TextIO, tally: BuildTally) -> None:
         """Write the suites."""
         del tally  # cases are counted as they are written
-        suites = [JunitSuite(name, cases) for name, cases in self._cases.items()]
+        suites = [
+            JunitSuite(name, cases, output="\n".join(self._left_out[name]))
+            for name, cases in self._cases.items()
+        ]
         counts = ("tests", "errors", "failures", "skipped")
         heading = self._heading
         out.write(junit_text(suites, heading.project, counts, heading.seconds) + "\n")

@@ -67,7 +67,7 @@ class BuildOutcome:
     kept: list[str] = field(default_factory=list)
     """Outputs that were kept, because a person changed them."""
     remarks: dict[str, None] = field(default_factory=dict)
-    """Remarks of writers on models, each once."""
+    """Remarks of writers on models, and on words that recordings lack, each once."""
     seconds: float = 0.0
 
     def lines(self) -> Iterator[CountedLine]:
@@ -251,6 +251,7 @@ def _tell_line(tell: Tell, built: BuiltLine, step: PlannedStep) -> None:
             "message": built.message,
             "reasons": list(step.reasons),
             "failed": [figure.name for figure in built.failed],
+            "left_out": list(built.left_out),
             "place": line.place,
         },
     )

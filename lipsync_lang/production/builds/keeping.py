@@ -86,6 +86,7 @@ class OutputKeeper:
                         one.built.message,
                         one.built.seconds,
                         [(figure.at, figure.words) for figure in one.built.figures],
+                        one.built.left_out,
                     )
                 ),
             )
@@ -129,7 +130,8 @@ def prune(plan: BuildPlan, folder: Path, records: Records) -> list[str]:
 def restored(line: PlannedLine, record: LineRecord, result: Sequence[Any]) -> BuiltLine:
     """Return a line of an earlier build from its record and `Records.result`."""
     try:
-        outcome, message, seconds, notes = result
+        # Records of earlier builds have no words left out.
+        outcome, message, seconds, notes, *left = result
         values, limits, heads = unpacked_figures(record.heading, [record.figures])
         stated = np.array([values[0], limits[0]])
         known = stated.astype(object)
@@ -140,6 +142,7 @@ def restored(line: PlannedLine, record: LineRecord, result: Sequence[Any]) -> Bu
             JudgedFigure(name, value, unit, limit, at, words, binding)
             for (name, unit, binding), value, limit, (at, words) in rows
         ]
-        return BuiltLine(line, outcome, message, seconds, record.confidence, tuple(figures))
+        sure, words = record.confidence, tuple(left[0]) if left else ()
+        return BuiltLine(line, outcome, message, seconds, sure, tuple(figures), words)
     except (TypeError, ValueError):
         raise unusable() from None

@@ -19,7 +19,7 @@ from zlib import crc32
 
 from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS
-from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError, shortlist
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.base.files.targets import read_only, refuse_locked
 from lipsync_lang.base.files.temporary import temporary_name, this_process
@@ -92,7 +92,7 @@ class MadeLine:
     """Digest of each source file, by path."""
     needs: Mapping[str, bytes] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
-    """Remarks of the writers on the character's model and channels."""
+    """Remarks of the writers on the character's model and channels, and on words left out."""
     fatal: bool = False
     """True if the disk or the folder refuses every other line, too."""
 
@@ -254,7 +254,7 @@ class LineMaker:
             shown = replace(pair.performer.rigged(animation), export=export)
             self._write(line, shown, files)
             asked = (WRITERS[name].remarks(shown) for name, _ in line.outputs)
-            remarks = tuple(chain.from_iterable(asked))
+            remarks = tuple(chain(_absent(line, schedule), chain.from_iterable(asked)))
         except Exception as error:  # noqa: BLE001 the other lines of the batch are made
             for file in files:
                 Path(file.temporary).unlink(missing_ok=True)
@@ -266,6 +266,7 @@ class LineMaker:
             float(animation.times[-1] - animation.times[0]),
             schedule.confidence,
             figures,
+            schedule.left_out,
         )
         return MadeLine(built, tuple(files), contents, needs, remarks)
 
@@ -309,6 +310,13 @@ class LineMaker:
             archived = split_archive(path) is not None
             changed = crc if archived else os.stat(temporary).st_mtime_ns  # noqa: PTH116 once a file
             files[-1] = MadeFile(path, temporary, size, changed, output_digest(crc, size))
+
+
+def _absent(line: PlannedLine, schedule: Schedule) -> Iterator[str]:
+    """Yield a remark on the words of a line that its recording lacks."""
+    if schedule.left_out:
+        words = shortlist([f"'{word}'" for word in schedule.left_out], MAX_FINDINGS)
+        yield f"{line.place}: the recording lacks words of the text: {words}"
 
 
 def parent_of(folder: Path, path: str) -> Path:

@@ -87,6 +87,8 @@ class BuiltLine:
     confidence: float | None = None
     """Fit of the timings to the recording, in [0, 1]; None if nothing was aligned."""
     figures: tuple[JudgedFigure, ...] = ()
+    left_out: tuple[str, ...] = ()
+    """Words of the text that the recording lacks."""
 
     @property
     def verdict(self) -> Verdict:

@@ -185,6 +185,14 @@ def test_junit_holds_any_text(report):
     assert len([*root.iter("testcase")]) == len(lines)
 
 
+def test_words_that_a_recording_lacks_are_listed(report):
+    lines = [made(0), replace(made(1), left_out=("big", "dog"))]
+    told = ET.fromstring(report(lines, ".xml")).findall(".//system-out")  # noqa: S314 our own
+    assert [one.text for one in told] == ["script.csv:3: l1 lacks big, dog"]
+    rows = json.loads(report(lines, ".json"))["rows"]
+    assert [row["left_out"] for row in rows] == [[], ["big", "dog"]]
+
+
 # JSON
 
 

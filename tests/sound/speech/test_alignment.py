@@ -273,6 +273,7 @@ def test_words_that_nobody_says_are_left_out_and_named(english, spoken, more, pl
     assert [word.text for word in found.words] == [word.text for word in right.words]
     told = next(one for one in found.remarks if one.startswith("words that are not spoken"))
     assert all(f"'{word.strip('.')}'" in told for word in more.split())
+    assert found.left_out == tuple(word.strip(".") for word in more.split())
     moved = [found.times[word.first] for word in found.words]
     stayed = [right.times[word.first] for word in right.words]
     assert np.abs(np.subtract(moved, stayed)).max() <= 0.1
@@ -291,6 +292,28 @@ def test_words_that_are_said_are_kept_though_the_model_hears_them_badly(language
     found = ll.align(known.audio, text, language)
     assert [word.text for word in found.words] == [word.text for word in known.words]
     assert not [told for told in found.remarks if "not spoken" in told]
+    assert found.left_out == ()
+
+
+def test_many_words_that_are_said_are_kept_though_the_model_hears_them_badly():
+    text = (
+        "kun on välttämätöntä, että ihmisoikeudet turvataan oikeusjärjestyksellä, jotta ihmisten ei "
+        "olisi pakko viimeisenä keinona nousta kapinaan pakkovaltaa ja sortoa vastaan"
+    )
+    known = ll.speak(text, "finnish")
+    found = ll.align(known.audio, text, "finnish", aligner="pocketsphinx")
+    assert [word.text for word in found.words] == [word.text for word in known.words]
+
+
+@pytest.mark.parametrize("word", swept(["most", "wonderful"]))
+def test_a_word_that_the_sound_lacks_is_left_out_unless_it_is_emphasised(english, word):
+    spoken = english.speak("Please buy five maps for the journey home.")
+    text = f"Please buy five {word} maps for the journey home."
+    assert aligned(english, spoken.audio, text).left_out == (word,)
+    sure = aligned(english, spoken.audio, text.replace(word, f"*{word}*"))
+    assert sure.left_out == ()
+    assert word in [one.text for one in sure.words]
+    assert sure.confidence < aligned(english, spoken.audio, text).confidence
 
 
 def music(seconds):

@@ -19,7 +19,7 @@ from lipsync_lang.sound.speech.hearing.align.aligners import ALIGNERS, Aligner, 
 from lipsync_lang.sound.speech.results import exhaust, next_result, raised
 from lipsync_lang.sound.speech.sound import SoundSource, sound_of
 from lipsync_lang.sound.speech.speaking.speaker import NO_VALUES, PlaceholderValues, Speaker
-from lipsync_lang.sound.speech.speaking.transcripts import WrittenText, as_written, silent
+from lipsync_lang.sound.speech.speaking.transcripts import SureText, WrittenText, as_written, silent
 from lipsync_lang.text.lines.markup import Cleaning
 
 MAX_DOUBTFUL_WORDS = 5
@@ -175,7 +175,7 @@ def align_many(
         yield from (error for _ in recordings)
         return
     ours, theirs = tee((partial(sound_of, a), speaker.written(text)) for a, text in recordings)
-    sounding = ((sound, text.text) for sound, text in theirs if not text.silent)
+    sounding = ((sound, SureText(*text[:2])) for sound, text in theirs if not text.silent)
     found = engines[0].all(sounding, speaker)
     waiting: list[AlignmentAttempt] = []
     for sound, text in ours:
@@ -286,7 +286,7 @@ def finished(
     for engine in others:
         unsure = [one for one in lines if one.unsure]
         if unsure:
-            pairs = [(one.sound, one.text.text) for one in unsure]
+            pairs = [(one.sound, SureText(*one.text[:2])) for one in unsure]
             answers = engine.all(pairs, speaker)
             for one in unsure:
                 one.results.append((engine.name, next_result(answers)))

@@ -1,7 +1,7 @@
 """Texts as they are read, and transcripts: their phonemes, before they have times."""
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -12,6 +12,20 @@ from lipsync_lang.text.phonology.manner import Manner
 
 MAX_SHOWN_CHARS = 60
 """Characters of a text in a remark."""
+
+
+class SureText(str):
+    """A text with the offsets of passages that are surely spoken: a writer emphasised them."""
+
+    __slots__ = ("spans",)
+
+    spans: tuple[tuple[int, int], ...]
+
+    def __new__(cls, text: str, spans: tuple[tuple[int, int], ...]) -> Self:
+        """Return a text with passages."""
+        one = super().__new__(cls, text)
+        one.spans = spans
+        return one
 
 
 class WrittenText(NamedTuple):

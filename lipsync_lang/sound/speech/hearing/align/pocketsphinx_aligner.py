@@ -13,10 +13,11 @@ from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
 from lipsync_lang.sound.speech.hearing.align.aligners import BatchAligner, aligner
-from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import STATES
+from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE, STATES
 from lipsync_lang.sound.speech.hearing.sphinx.decoders import decoded_words
 from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS
 from lipsync_lang.sound.speech.hearing.sphinx.folder import Models, find_models
+from lipsync_lang.sound.speech.hearing.sphinx.forced import Pronunciations, SureWord
 from lipsync_lang.sound.speech.hearing.sphinx.line_search import found_line
 from lipsync_lang.sound.speech.hearing.sphinx.scheduling import (
     Saying,
@@ -29,6 +30,8 @@ from lipsync_lang.sound.speech.hearing.sphinx.scheduling import (
 from lipsync_lang.sound.speech.results import batches, raised, tried
 from lipsync_lang.sound.speech.sound import SPEECH_RATE
 from lipsync_lang.sound.speech.speaking.joining import stress_read
+from lipsync_lang.sound.speech.speaking.transcripts import SureText
+from lipsync_lang.text.phonology.emphasis import touched
 from lipsync_lang.text.phonology.g2p.tokens import plain
 from lipsync_lang.text.phonology.labels import Notation
 
@@ -72,14 +75,16 @@ class PocketsphinxAligner(BatchAligner):
             reader = WordReader(
                 models, speaker, [one for one in read if not isinstance(one, SpeechError)]
             )
-            sounds = [sound for sound, _ in batch]
-            yield from map(tried(partial(self._aligned, reader)), zip(sounds, read, strict=True))
+            lines = ((sound, text, own) for (sound, text), own in zip(batch, read, strict=True))
+            yield from map(tried(partial(self._aligned, reader)), lines)
 
     def _aligned(
-        self, reader: "WordReader", one: "tuple[Callable[[], Audio], Transcript | SpeechError]"
+        self,
+        reader: "WordReader",
+        one: "tuple[Callable[[], Audio], str, Transcript | SpeechError]",
     ) -> Schedule:
         """Align a text that is read, or raise the error of its reading."""
-        transcript = raised(one[1])
+        transcript = raised(one[2])
         models, speaker, text = reader.models, reader.speaker, transcript.text
         sayings = reader.sayings(transcript.words)
         if not sayings:
@@ -88,7 +93,10 @@ class PocketsphinxAligner(BatchAligner):
             )
         audio = one[0]()
         sound = prepared(audio)
-        ways = [saying.ways for saying in sayings]
+        ways: list[Pronunciations] = [saying.ways for saying in sayings]
+        if isinstance(one[1], SureText) and one[1].spans:
+            said = touched((saying.text for saying in sayings), one[1], one[1].spans)
+            ways = [SureWord(way) if own else way for way, own in zip(ways, said, strict=True)]
         heard, sure, moved, unwritten = found_line(models, sound, ways)
         if not heard:
             raise SpeechError(unfit(audio, sum(len(word.labels) for word in transcript.words)))
@@ -127,6 +135,7 @@ class PocketsphinxAligner(BatchAligner):
             stress=stress_read(transcript, found.labels, notation, manner, speaker.notations),
             remarks=(*told, *doubts(heard, sayings)),
             confidence=sure,
+            left_out=tuple(texts[one.word] for one in heard if one.phone == OUTSIDE != one.word),
         )
 
 

@@ -11,7 +11,8 @@ An anchored window ends in a word that the pace of the remaining text allows, an
 half; it takes twice the time.
 """
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -66,14 +67,20 @@ ENTER_OTHER_LOG = -20.0
 SKIP_WORD_LOG = -160.0
 """Log score for leaving a word out, which is then tried as spoken."""
 
-MISSING_FRAMES = 3.4
-"""Frames per phoneme below which a word has no time: each phoneme has three states."""
+MISSING_WORD_LOG, MISSING_PHONE_LOG = -100.0, -35.0
+"""Log scores for leaving a word out that has no time: the first, or the second for each phoneme."""
 
-ROOM_FRAMES = 2.5
+HURRIED_WORD_FRAMES = 4.0
+"""Frames per phoneme below which a word may have no time: each phoneme has three states."""
+
+ROOM_FRAMES = 1.6
 """Frames of other sound per phoneme of a word that leave it time."""
 
+ROOM_SHARE = 0.7
+"""Share of a word's usual length that leaves it time, if both neighbours have theirs."""
+
 MANY_WORDS = 5
-"""Number of words left out in a window from which they stay so."""
+"""Number of words left out in a window from which they stay so, if they leave no sound."""
 
 MIN_OTHER_SHARE = 0.1
 """Share of sound without text from which its cepstra are kept out of their mean."""
@@ -86,6 +93,12 @@ MEAN_MARGIN_FRAMES = 30
 
 Pronunciations = Sequence[tuple[int, ...]]
 """Pronunciations of a word, each a tuple of phoneme numbers."""
+
+
+class SureWord(tuple[tuple[int, ...], ...]):
+    """Pronunciations of a word that is surely spoken, so that it is never left out."""
+
+    __slots__ = ()
 
 
 class Run(NamedTuple):
@@ -418,19 +431,14 @@ def _window(
     loop = _Loop.of(sound)
     scores = sound.scores(model.phones(graph.contexts))
 
-    def decoded(spoken: AbstractSet[int] = frozenset()) -> list[Run] | None:
-        return _likeliest(model, scores, loop, graph.nodes, graph.before, ends, spoken)
+    def decoded(spoken: AbstractSet[int], prices: Floats) -> list[Run]:
+        return (
+            _likeliest(model, scores, loop, graph.nodes, graph.before, ends, spoken, prices) or []
+        )
 
-    way = decoded()
-    if way is None:
+    way = _truest_way(graph, words, range(done, stop), decoded)
+    if not way:
         return None
-    if skipped := _skipped(graph.nodes, way):
-        every = frozenset(range(done, stop))
-        said = decoded(every)
-        # Where many words do not fit, the text or its order is another one, which others find.
-        if said is not None and len(skipped) < MANY_WORDS:
-            missing = _missing(graph.nodes, said, skipped)
-            way = decoded(every - missing) or way if missing else said
     if not last:
         overlap = window // 2 if anchored else OVERLAP_FRAMES
         way = _kept(way, graph.nodes, window - overlap)
@@ -461,6 +469,7 @@ def _likeliest(  # noqa: PLR0913, PLR0917 the scores, the graph and options
     before: Sequence[Sequence[int]],
     ends: Sequence[int] | None,
     spoken: AbstractSet[int] = frozenset(),
+    prices: float | Floats = 0.0,
 ) -> list[Run] | None:
     other = np.array([node.phone == OUTSIDE for node in nodes])
     # Other sound is as likely as the best phoneme less a penalty: it wins only where no phoneme of
@@ -468,9 +477,38 @@ def _likeliest(  # noqa: PLR0913, PLR0917 the scores, the graph and options
     scores[:, other] = (loop.speech + np.float32(OTHER_SOUND_LOG))[:, None, None]
     names = [model.silence if node.phone == OUTSIDE else node.phone for node in nodes]
     skipped = np.array([node.word != OUTSIDE for node in nodes]) & other
-    entered = np.where(skipped, SKIP_WORD_LOG, np.where(other, ENTER_OTHER_LOG, 0.0))
+    entered = np.where(skipped, prices, np.where(other, ENTER_OTHER_LOG, 0.0))
     entered[[node.word in spoken and node.phone == OUTSIDE for node in nodes]] = -np.inf
     return likeliest_way(scores, model.stay[names], before, ends, entered)
+
+
+def _truest_way(
+    graph: Graph,
+    words: Sequence[Pronunciations],
+    numbers: range,
+    decoded: Callable[[AbstractSet[int], Floats], list[Run]],
+) -> list[Run]:
+    """Return the likeliest path that leaves words out only where their time is missing.
+
+    `decoded` returns the likeliest path in which some words are spoken, with a price for each
+    phoneme of a word that is left out. The path is empty if every one is longer than the sound.
+    """
+    nodes, every = graph.nodes, frozenset(numbers)
+    sure = frozenset(number for number in numbers if isinstance(words[number], SureWord))
+    way = decoded(sure, np.full(len(nodes), SKIP_WORD_LOG))
+    skipped = _skipped(nodes, way)
+    said = decoded(every, np.zeros(len(nodes))) if skipped else way
+    # Where many words have no sound, the text or its order is another one, which others find.
+    if not said or (len(skipped) >= MANY_WORDS and _roomless(words, skipped)):
+        return way
+    hurried = _hurried(graph.model, nodes, said) - sure
+    if not hurried:
+        return said
+    counts = np.array([len(words[node.word][0]) for node in nodes])
+    prices = np.minimum(MISSING_WORD_LOG, MISSING_PHONE_LOG * counts)
+    rooms = _skipped(nodes, decoded(every - hurried, prices))
+    missing = {word for word, room in rooms.items() if _roomless(words, {word: room})}
+    return decoded(every - missing, prices) or said if missing else said
 
 
 def _skipped(nodes: Sequence[Node], way: Sequence[Run]) -> dict[int, int]:
@@ -482,21 +520,41 @@ def _skipped(nodes: Sequence[Node], way: Sequence[Run]) -> dict[int, int]:
     }
 
 
-def _missing(nodes: Sequence[Node], way: Sequence[Run], words: Mapping[int, int]) -> set[int]:
-    """Return those of the words that have no time in a path with every word.
+def _roomless(words: Sequence[Pronunciations], rooms: Mapping[int, int]) -> bool:
+    """Return True if the frames of other sound in the places of words are too few for them.
 
-    `words` has the frames of other sound in their places. Where these are many, somebody speaks:
-    that sound is the word, badly heard.
+    Where they are many, somebody speaks: that sound is the words, badly heard.
     """
-    lengths: dict[int, list[int]] = {word: [] for word in words}
+    phones = sum(len(words[word][0]) for word in rooms)
+    return sum(rooms.values()) < ROOM_FRAMES * phones
+
+
+def _hurried(model: AcousticModel, nodes: Sequence[Node], way: Sequence[Run]) -> set[int]:
+    """Return the words that have no time in a path with every word.
+
+    Their phonemes are as short as can be, and so would be those of a voice that never said them.
+    The neighbours leave less time than a word takes at the pace of the others.
+    """
+    usual = (1 / -np.expm1(model.stay)).sum(axis=1)
+    counts: Counter[int] = Counter()
+    frames: Counter[int] = Counter()
+    lengths: Counter[int] = Counter()
     for run in way:
-        if nodes[run.phone].word in words:
-            lengths[nodes[run.phone].word].append(run.stop - run.first)
-    return {
-        word
-        for word, own in lengths.items()
-        if sum(own) < MISSING_FRAMES * len(own) and words[word] < ROOM_FRAMES * len(own)
-    }
+        word, phone, _ = nodes[run.phone]
+        if OUTSIDE not in (word, phone):
+            counts[word] += 1
+            frames[word] += run.stop - run.first
+            lengths[word] += usual[phone]
+    short = {word for word in counts if frames[word] < HURRIED_WORD_FRAMES * counts[word]}
+    others = counts.keys() - short
+    pace = sum(frames[word] for word in others) / max(sum(lengths[word] for word in others), 1e-9)
+
+    def left(word: int) -> float:
+        """Return the frames that a word and its neighbours have beyond the usual ones."""
+        beside = (word - 1, word + 1)
+        return frames[word] + sum(frames[at] - pace * lengths[at] for at in beside)
+
+    return {word for word in short if left(word) < ROOM_SHARE * pace * lengths[word]}
 
 
 def _kept(way: Sequence[Run], nodes: Sequence[Node], limit: int) -> list[Run]:
