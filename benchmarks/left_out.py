@@ -36,8 +36,8 @@ from lipsync_lang.sound.speech.speaking.speaker import Speaker
 MAX_WORDS = 40
 """Most words of a line; longer ones, such as paragraphs of a law, are cut."""
 
-MIN_CUT_SECONDS = 0.15
-"""Shortest word that is taken from the sound: a shorter one is hardly heard."""
+MIN_CUT_PHONEMES = 4
+"""Fewest phonemes of a word that is taken from the sound: a shorter one is hardly heard."""
 
 MIN_WORDS = 5
 """Fewest words of a line that is changed."""
@@ -75,7 +75,7 @@ def trials(speaker: Speaker, line: str, chance: random.Random) -> Iterator[Trial
     # a word of the voice is a word of the text only where both count alike
     if len(words) < MIN_WORDS or len(spoken.words) != len(words):
         return
-    long = [n for n, one in enumerate(spoken.words) if one.end - one.start >= MIN_CUT_SECONDS]
+    long = [n for n, one in enumerate(spoken.words) if one.stop - one.first >= MIN_CUT_PHONEMES]
     if long:
         at = chance.choice(long)
         one, rate, samples = spoken.words[at], spoken.audio.rate, spoken.audio.samples

@@ -297,8 +297,8 @@ def test_words_that_are_said_are_kept_though_the_model_hears_them_badly(language
 
 def test_many_words_that_are_said_are_kept_though_the_model_hears_them_badly():
     text = (
-        "kun on välttämätöntä, että ihmisoikeudet turvataan oikeusjärjestyksellä, jotta ihmisten ei "
-        "olisi pakko viimeisenä keinona nousta kapinaan pakkovaltaa ja sortoa vastaan"
+        "kun on välttämätöntä, että ihmisoikeudet turvataan oikeusjärjestyksellä, jotta ihmisten "
+        "ei olisi pakko viimeisenä keinona nousta kapinaan pakkovaltaa ja sortoa vastaan"
     )
     known = ll.speak(text, "finnish")
     found = ll.align(known.audio, text, "finnish", aligner="pocketsphinx")

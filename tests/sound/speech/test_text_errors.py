@@ -10,6 +10,7 @@ from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.sound.speech.hearing.alignment import aligned
 from lipsync_lang.sound.speech.hearing.sphinx import line_search
 from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS
+from lipsync_lang.sound.speech.hearing.sphinx.forced import Run
 from lipsync_lang.sound.speech.hearing.sphinx.line_search import TextErrors
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
@@ -92,6 +93,29 @@ def test_a_word_that_is_not_written_is_placed_between_its_neighbours(english, wh
 
 def test_a_right_text_has_no_such_remark(english, spoken):
     assert not aligned(english, spoken.audio, TEXT, aligner="pocketsphinx").remarks
+
+
+@pytest.mark.parametrize(
+    ("order", "named"),
+    [([2, 0, 1, 3], None), ([1, 0, 2, 3], (1, -1)), ([2, 3, 0, 1], (0, 3)), ([0, 1, 2, 3], None)],
+)
+def test_no_place_is_named_that_sounds_as_one_of_the_text(order, named, monkeypatch):
+    way = [(word, Run(word, 9 * at, 9 * at + 9)) for at, word in enumerate(order)]
+    monkeypatch.setattr(TextErrors, "_likeliest_order", lambda _: way)
+    errors = object.__new__(TextErrors)
+    errors._ways = [(1, 2), (3,), (1, 2), (4,)]
+    errors._start, errors._within = 0, slice(0, 36)
+    found = errors.moved_word()
+    assert (found and found[:2]) == named
+
+
+def test_short_and_repeated_words_need_more_evidence_elsewhere():
+    errors = object.__new__(TextErrors)
+    errors._ways = [(1, 2, 3), (4, 5), (6, 7, 8), (1, 2, 3), (9, 8, 7)]
+    prices = [errors._price(-10.0, word) for word in range(5)]
+    assert prices == [-15.0, -15.0, -10.0, -15.0, -10.0]
+    assert errors._price(-10.0, 2, 4) == -10.0
+    assert errors._price(-10.0, 1, 2) == -15.0
 
 
 def test_one_odd_frame_moves_no_word(english, spoken, monkeypatch):

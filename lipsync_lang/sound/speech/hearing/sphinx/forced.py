@@ -67,7 +67,7 @@ ENTER_OTHER_LOG = -20.0
 SKIP_WORD_LOG = -160.0
 """Log score for leaving a word out, which is then tried as spoken."""
 
-MISSING_WORD_LOG, MISSING_PHONE_LOG = -100.0, -35.0
+MISSING_WORD_LOG, MISSING_PHONE_LOG = -140.0, -35.0
 """Log scores for leaving a word out that has no time: the first, or the second for each phoneme."""
 
 HURRIED_WORD_FRAMES = 4.0
@@ -512,11 +512,22 @@ def _truest_way(
 
 
 def _skipped(nodes: Sequence[Node], way: Sequence[Run]) -> dict[int, int]:
-    """Return the words that a path leaves out, with the frames of other sound in their places."""
+    """Return the words that a path leaves out, with the frames of other sound in their places.
+
+    These are between the words before and after it, and beside those: a short neighbour moves.
+    """
+    rooms: dict[int, int] = {}
+    others: Counter[int] = Counter()
+    last = OUTSIDE
+    for run in way:
+        word, phone, _ = nodes[run.phone]
+        last = max(last, word)
+        if phone == OUTSIDE != word:
+            rooms[word] = run.stop - run.first
+        elif phone == OUTSIDE:
+            others[last] += run.stop - run.first
     return {
-        node.word: run.stop - run.first
-        for node, run in ((nodes[run.phone], run) for run in way)
-        if node.phone == OUTSIDE != node.word
+        word: room + sum(others[word + by] for by in range(-2, 2)) for word, room in rooms.items()
     }
 
 

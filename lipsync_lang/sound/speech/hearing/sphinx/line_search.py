@@ -5,7 +5,7 @@ their place, or a phoneme lasts as long as the music. Without that sound they ar
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import combinations
+from itertools import combinations, pairwise
 from math import log
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -43,8 +43,12 @@ MIN_WORDS = 3
 REACH = 8
 """Most words over which a word is moved."""
 
-EXCHANGED_LOG, MOVED_LOG, PARTS_LOG = -28.0, -60.0, -100.0
+EXCHANGED_LOG, MOVED_LOG, PARTS_LOG = -28.0, -60.0, -120.0
 """Log scores of two neighbours exchanged, of a word moved further, and of two parts exchanged."""
+
+CHANCE_PHONES, CHANCE_FACTOR = 2, 1.5
+"""Most phonemes of a word that fits elsewhere by chance, as a repeated word does, and the factor of
+these scores for both."""
 
 ORDER_FLOOR_LOG = -12.0
 """Least log likelihood of a frame relative to the likeliest phoneme, in the search of orders."""
@@ -190,18 +194,29 @@ class TextErrors:
     def moved_word(self) -> MovedWord | None:
         """Return the word that fits much better in another place, if there is one.
 
-        Of two parts that are exchanged, it is the first word of the sound.
+        Of two parts that are exchanged, it is the first word of the sound, or that of the text. A
+        place that sounds as one of the text is none: a word is repeated, or another one sounds so.
         """
         way = self._likeliest_order()
         order = list(dict.fromkeys(word for word, _ in way))
         if order == sorted(order):
             return None
-        rests = ([*order[:at], *order[at + 1 :]] for at in range(len(order)))
+        pairs = {*pairwise([(), *self._ways])}
+        rests = [[*order[:at], *order[at + 1 :]] for at in range(len(order))]
         # without a single word that moved, the halves are exchanged
-        at = next((n for n, rest in enumerate(rests) if rest == sorted(rest)), 0)
-        first = next(run.first for word, run in way if word == order[at])
-        first += self._start + self._within.start
-        return MovedWord(order[at], order[at - 1] if at else OUTSIDE, first)
+        moved = [n for n, rest in enumerate(rests) if rest == sorted(rest)] or [0, order.index(0)]
+        for at in moved:
+            after = order[at - 1] if at else OUTSIDE
+            if (self._ways[after] if at else (), self._ways[order[at]]) not in pairs:
+                first = next(run.first for word, run in way if word == order[at])
+                return MovedWord(order[at], after, first + self._start + self._within.start)
+        return None
+
+    def _price(self, usual: float, *words: int) -> float:
+        """Return the price of words at other places, higher where they fit by chance."""
+        ways = [self._ways[word] for word in words]
+        chance = any(len(way) <= CHANCE_PHONES or self._ways.count(way) > 1 for way in ways)
+        return usual * CHANCE_FACTOR if chance else usual
 
     def _likeliest_order(self) -> list[tuple[int, Run]]:
         """Return the phonemes of the likeliest order of the words, with the price of another one.
@@ -212,6 +227,7 @@ class TextErrors:
         joins: list[list[int]] = [[SOUND_START], *([] for _ in range(count))]
         early: list[list[int]] = [[] for _ in range(count)]
         prices: dict[int, float] = {}
+        moved = [self._price(MOVED_LOG, word) for word in range(count)]
 
         def spoken(word: int, ends: Sequence[int], price: float = 0.0) -> list[int]:
             """Add a word after others, and an optional pause."""
@@ -225,11 +241,11 @@ class TextErrors:
             last = before
             for other in range(at + 1, min(at + REACH + 1, count)):
                 last = spoken(other, last)
-                price = MOVED_LOG if other > at + 1 else EXCHANGED_LOG
+                price = moved[at] if other > at + 1 else self._price(EXCHANGED_LOG, at, other)
                 joins[other + 1] += spoken(at, last, price)
             # earlier: a word from further on, here or before, and then those up to this one
             for other in range(at + 2, min(at + REACH + 1, count)):
-                early[other] = spoken(at, [*early[other], *spoken(other, before, MOVED_LOG)])
+                early[other] = spoken(at, [*early[other], *spoken(other, before, moved[other])])
             if at + 1 < count:
                 joins[at + 2] += spoken(at, early[at + 1])
             joins[at + 1] += spoken(at, before)
