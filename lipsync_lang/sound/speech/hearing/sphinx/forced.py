@@ -431,13 +431,10 @@ def _window(
     loop = _Loop.of(sound)
     scores = sound.scores(model.phones(graph.contexts))
 
-    def decoded(spoken: AbstractSet[int], prices: Floats) -> list[Run]:
-        return (
-            _likeliest(model, scores, loop, graph.nodes, graph.before, ends, spoken, prices) or []
-        )
+    def decoded(spoken: AbstractSet[int], prices: float | Floats) -> list[Run]:
+        return _likeliest(model, scores, loop, graph.nodes, graph.before, ends, spoken, prices)
 
-    way = _truest_way(graph, words, range(done, stop), decoded)
-    if not way:
+    if not (way := _truest_way(graph, words, range(done, stop), decoded)):
         return None
     if not last:
         overlap = window // 2 if anchored else OVERLAP_FRAMES
@@ -470,7 +467,7 @@ def _likeliest(  # noqa: PLR0913, PLR0917 the scores, the graph and options
     ends: Sequence[int] | None,
     spoken: AbstractSet[int] = frozenset(),
     prices: float | Floats = 0.0,
-) -> list[Run] | None:
+) -> list[Run]:
     other = np.array([node.phone == OUTSIDE for node in nodes])
     # Other sound is as likely as the best phoneme less a penalty: it wins only where no phoneme of
     # the text is near the best.
@@ -479,30 +476,29 @@ def _likeliest(  # noqa: PLR0913, PLR0917 the scores, the graph and options
     skipped = np.array([node.word != OUTSIDE for node in nodes]) & other
     entered = np.where(skipped, prices, np.where(other, ENTER_OTHER_LOG, 0.0))
     entered[[node.word in spoken and node.phone == OUTSIDE for node in nodes]] = -np.inf
-    return likeliest_way(scores, model.stay[names], before, ends, entered)
+    return likeliest_way(scores, model.stay[names], before, ends, entered) or []
 
 
 def _truest_way(
     graph: Graph,
     words: Sequence[Pronunciations],
     numbers: range,
-    decoded: Callable[[AbstractSet[int], Floats], list[Run]],
+    decoded: Callable[[AbstractSet[int], float | Floats], list[Run]],
 ) -> list[Run]:
     """Return the likeliest path that leaves words out only where their time is missing.
 
-    `decoded` returns the likeliest path in which some words are spoken, with a price for each
-    phoneme of a word that is left out. The path is empty if every one is longer than the sound.
+    `decoded` returns the likeliest path in which some words are spoken, with the price of others;
+    the path is empty if every one is longer than the sound.
     """
     nodes, every = graph.nodes, frozenset(numbers)
     sure = frozenset(number for number in numbers if isinstance(words[number], SureWord))
-    way = decoded(sure, np.full(len(nodes), SKIP_WORD_LOG))
+    way = decoded(sure, SKIP_WORD_LOG)
     skipped = _skipped(nodes, way)
-    said = decoded(every, np.zeros(len(nodes))) if skipped else way
+    said = decoded(every, 0.0) if skipped else way
     # Where many words have no sound, the text or its order is another one, which others find.
     if not said or (len(skipped) >= MANY_WORDS and _roomless(words, skipped)):
         return way
-    hurried = _hurried(graph.model, nodes, said) - sure
-    if not hurried:
+    if not (hurried := _hurried(graph.model, nodes, said) - sure):
         return said
     counts = np.array([len(words[node.word][0]) for node in nodes])
     prices = np.minimum(MISSING_WORD_LOG, MISSING_PHONE_LOG * counts)
@@ -543,29 +539,20 @@ def _roomless(words: Sequence[Pronunciations], rooms: Mapping[int, int]) -> bool
 def _hurried(model: AcousticModel, nodes: Sequence[Node], way: Sequence[Run]) -> set[int]:
     """Return the words that have no time in a path with every word.
 
-    Their phonemes are as short as can be, and so would be those of a voice that never said them.
-    The neighbours leave less time than a word takes at the pace of the others.
+    Their phonemes are as short as can be, and neighbours of usual length fill their sound.
     """
-    usual = (1 / -np.expm1(model.stay)).sum(axis=1)
-    counts: Counter[int] = Counter()
-    frames: Counter[int] = Counter()
-    lengths: Counter[int] = Counter()
-    for run in way:
-        word, phone, _ = nodes[run.phone]
-        if OUTSIDE not in (word, phone):
-            counts[word] += 1
-            frames[word] += run.stop - run.first
-            lengths[word] += usual[phone]
-    short = {word for word in counts if frames[word] < HURRIED_WORD_FRAMES * counts[word]}
-    others = counts.keys() - short
-    pace = sum(frames[word] for word in others) / max(sum(lengths[word] for word in others), 1e-9)
-
-    def left(word: int) -> float:
-        """Return the frames that a word and its neighbours have beyond the usual ones."""
-        beside = (word - 1, word + 1)
-        return frames[word] + sum(frames[at] - pace * lengths[at] for at in beside)
-
-    return {word for word in short if left(word) < ROOM_SHARE * pace * lengths[word]}
+    said = [(nodes[run.phone], run) for run in way if OUTSIDE not in nodes[run.phone][:2]]
+    # A place more at both ends, for neighbours that are not there.
+    places = np.array([node.word + 1 for node, _ in said], int)
+    lengths = [run.stop - run.first for _, run in said]
+    usual = (1 / -np.expm1(model.stay)).sum(axis=1)[[node.phone for node, _ in said]]
+    size = places.max(initial=0) + 2
+    frames, due = (np.bincount(places, some, size) for some in (lengths, usual))
+    short = frames < HURRIED_WORD_FRAMES * np.bincount(places, minlength=size)
+    due = due * frames[~short].sum() / max(due[~short].sum(), 1e-9)
+    spare = frames - due
+    room = frames[1:-1] + spare[:-2] + spare[2:]
+    return {*np.flatnonzero(short[1:-1] & (room < ROOM_SHARE * due[1:-1])).tolist()}
 
 
 def _kept(way: Sequence[Run], nodes: Sequence[Node], limit: int) -> list[Run]:
