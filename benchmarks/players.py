@@ -17,7 +17,7 @@ import numpy as np
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation_writers import WRITERS
-from lipsync_lang.faces.players.takes import Archive, Player
+from lipsync_lang.plugins.players.takes import Archive, Player
 from lipsync_lang.production.builds.takes import write_takes
 
 CHARACTERS = 1000
@@ -67,7 +67,7 @@ def main() -> None:
         frames = seconds * 60
         print(f"Python: {(perf_counter() - began) / frames * 1e6:.0f} us a character and frame")
         program = Path(folder, "players")
-        header = Path(ll.__file__).parent / "faces/players"
+        header = Path(ll.__file__).parent / "plugins/players"
         source = Path(__file__).with_suffix(".c")
         made = ["cc", "-O2", "-std=c11", f"-I{header}", str(source), "-o", str(program)]
         subprocess.run(made, check=True)  # noqa: S603 a compiler of our own

@@ -1,1 +1,1 @@
-"""Faces: the shapes and bones of models, and players in engines."""
+"""Faces: the shapes and bones of models."""

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import chdir, suppress
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
 from unittest.mock import patch
@@ -22,7 +23,6 @@ from lipsync_lang.animations.animation_readers import ANIMATION_READERS as ANIMA
 from lipsync_lang.animations.writers.glb import write_glb
 from lipsync_lang.authoring.language_draft import read_inventory
 from lipsync_lang.base.errors import PackError
-from lipsync_lang.faces.players.takes import Archive, Player, TakesError
 from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.packs import finding
 from lipsync_lang.packs.checking.validate import validate
@@ -165,11 +165,14 @@ def _takes(path: Path) -> None:
             head = crc32(content[52:body], crc32(content[:48]))
             content[48:52] = head.to_bytes(4, "little")
             path.write_bytes(content)
-    with suppress(TakesError), Archive(path) as archive:
-        player = Player(archive)
-        for name in ("english/l1", "english/l2"):
-            if player.play(name):
-                player.seek(0.1)
+    if find_spec("lipsync_lang.plugins"):  # the wing of plug-ins can be removed
+        from lipsync_lang.plugins.players.takes import Archive, Player, TakesError
+
+        with suppress(TakesError), Archive(path) as archive:
+            player = Player(archive)
+            for name in ("english/l1", "english/l2"):
+                if player.play(name):
+                    player.seek(0.1)
     takes.read_takes(path)
 
 

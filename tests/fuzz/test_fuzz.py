@@ -79,7 +79,6 @@ HAVE_TARGETS = {
     "animations/animation_readers.py",
     "authoring/language_draft.py",
     "production/builds/takes.py",
-    "faces/players/takes.py",
     "reports/coverage/changes.py",
     "text/lines/line_readers.py",
     "text/lines/gettext.py",

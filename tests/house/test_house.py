@@ -46,12 +46,12 @@ ROOMS = {
     "pipeline": ({"", "gestures"},),
     "text": ({"phonology"}, {"lines"}),
     "packs": ({"yaml"}, {"models"}, {""}, {"banks", "checking"}),
-    "faces": ({"players", "rigs"},),
+    "faces": ({"rigs"},),
     "sound": ({"speech"}, {"listening"}),
     "reports": ({"coverage", "quality"},),
     "production": ({"builds", "live"},),
     "plugins": (
-        {"capture", "cluster", "heads", "study"},
+        {"capture", "cluster", "heads", "players", "study"},
         {"programs", "scripts", "timings"},
         {"festival", "htk", "mfa", "phonemizer", "smartbody", "whisper"},
     ),
@@ -62,7 +62,7 @@ ALONE = {
     "packs": {"base", "text"},
     "pipeline": {"base/arrays"},
     "pipeline/gestures": {"base/arrays"},
-    "faces/players": set(),
+    "plugins/players": set(),
     "text/phonology": {"base"},
     "schedules": {"base"},
 }

@@ -114,7 +114,7 @@ def test_shards_of_lines_do_not_move():
 def records(path):
     """Return the bytes of each take as they stand in an archive."""
     players = pytest.importorskip(
-        "lipsync_lang.faces.players.takes", reason="the players are removed"
+        "lipsync_lang.plugins.players.takes", reason="the players are removed"
     )
     names = read_takes(path).takes
     with players.Archive(path) as opened:

@@ -10,10 +10,10 @@ from places import ROOT, TESTS
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation, ExportSettings
-from lipsync_lang.faces.players.takes import Archive, Player, TakesError
+from lipsync_lang.plugins.players.takes import Archive, Player, TakesError
 
-PLAYERS = ROOT / "lipsync_lang/faces/players"
-HERE = TESTS / "faces/players"
+PLAYERS = ROOT / "lipsync_lang/plugins/players"
+HERE = TESTS / "plugins/players"
 POSES = ("open", "wide", "mündchen", "nod", "jaw", "still")
 RANGES = {"nod": 40}
 """Ranges of channels that are not 1, in degrees."""

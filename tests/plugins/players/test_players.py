@@ -25,7 +25,7 @@ from played_lines import (
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.errors import OutputError
-from lipsync_lang.faces.players.takes import MOST_WEIGHT, Archive, Player, TakesError
+from lipsync_lang.plugins.players.takes import MOST_WEIGHT, Archive, Player, TakesError
 from lipsync_lang.production.builds import takes as archives
 from lipsync_lang.production.builds.takes import encoded, read_takes, write_takes
 
@@ -154,7 +154,7 @@ def test_too_many_poses_are_named(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "name", ["lipsync_lang/faces/players/takes.gd", "docs/examples/takes/beach.gd"]
+    "name", ["lipsync_lang/plugins/players/takes.gd", "docs/examples/takes/beach.gd"]
 )
 def test_scripts_for_godot_are_scripts_of_godot_4_too(name):
     parsed = godot_4.parse((ROOT / name).read_text("utf-8"))

@@ -13,7 +13,7 @@ from played_lines import PLAYERS, ran
 from test_consumers import chromium, found, run
 
 from lipsync_lang.cli import main
-from lipsync_lang.faces.players.takes import Archive, Player
+from lipsync_lang.plugins.players.takes import Archive, Player
 
 pytestmark = [full, pytest.mark.xdist_group("takes_page")]
 
