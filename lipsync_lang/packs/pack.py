@@ -48,7 +48,7 @@ class Pack(Generic[M]):
 
     @property
     def lineage(self) -> tuple[str, ...]:
-        """The pack's own name and, for a language, those it extends."""
+        """Name of the pack, and of the languages that it extends."""
         return tuple(source.data["name"] for source in self.sources)
 
     def states(self, loc: Loc) -> bool:

@@ -334,7 +334,7 @@ def _by_hand(stated: Mapping[str, Any]) -> dict[str, Any]:
 def _vowel_facts(
     performer: PlayedPair, schedule: Schedule, sounds: LabelSounds
 ) -> dict[str, list[LineFact]]:
-    """Return the vowels of a line that are stressed, and those that stand out."""
+    """Return the stressed vowels of a line, and the vowels that stand out."""
     labels = performer.labels
     stresses = labels.stresses(sounds).tolist()
     vowels = [number for number, stress in enumerate(stresses) if stress == PRIMARY]

@@ -96,7 +96,7 @@ def _bigram_panel(axes: "Axes", bigram: "ShownBigram") -> None:
 
 
 def plot_diff(diff: Diff, stream: BinaryIO, format: str = "png") -> None:  # noqa: A002 as `plot`
-    """Draw the requested bigrams, by default those that differ most, in a format as of `plot`."""
+    """Draw the requested bigrams, by default the most different ones, in a format of `plot`."""
     if not diff.named:
         raise OutputError(f"nothing to draw: no bigram differs from those of {diff.against}")
     draw(lambda: _diff_page(diff), stream, format)

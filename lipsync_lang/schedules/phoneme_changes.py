@@ -57,7 +57,7 @@ def with_changes(schedule: Schedule, changes: Sequence[PhonemeChange]) -> Schedu
 def composed(
     opened: Schedule, changes: Sequence[PhonemeChange], span: tuple[int, int], now: Sequence[str]
 ) -> list[PhonemeChange]:
-    """Add a change to others; `span` are the phonemes, with those changes, that `now` replaces."""
+    """Add a change to others; `now` replaces a `span` that is counted after the others."""
     labels = with_changes(opened, changes).labels
     low, high = span
     kept: list[tuple[int, PhonemeChange]] = []

@@ -61,7 +61,7 @@ def _collect(module: str, texts: dict[str, str], importers: tuple[str, ...]) -> 
 
 
 def _variable(path: str) -> str:
-    """Return the constant that holds what a module exports, such as ``$take``."""
+    """Return the name of the constant with the exports of a module, such as ``$take``."""
     return f"${posixpath.basename(path)}"
 
 

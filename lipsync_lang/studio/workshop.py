@@ -352,7 +352,7 @@ class Workshop:
         self.follow()
 
     def follow(self) -> None:
-        """Take over what the packs, with the unsaved edits, state for the open line."""
+        """Apply the packs, with their unsaved edits, to the open line."""
         if self.line is None or not self.language:
             return
         compiled = self.performer.compiled

@@ -217,7 +217,7 @@ class _NewAnimation:
 
 
 def _moved_up(row: Json) -> Json:
-    """Return a buffer view, and those within its extensions, in the next buffer."""
+    """Move a buffer view, with the views in its extensions, to the next buffer."""
     moved = {name: _moved_up(one) if isinstance(one, dict) else one for name, one in row.items()}
     return moved | {"buffer": row["buffer"] + 1} if "buffer" in row else moved
 

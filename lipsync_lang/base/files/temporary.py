@@ -57,7 +57,7 @@ def temporary_name(name: str, owner: str = "") -> str:
 
 
 def sweep(folder: Path, *, again: bool = False, ended: str = "") -> None:
-    """Delete what dead processes left in a folder, and those of the owner `ended`.
+    """Delete the temporary files of dead processes in a folder, and of the owner `ended`.
 
     A process looks into the same folder once a minute at most, so that 10,000 outputs into one
     folder do not each list all others; `again` looks at once.

@@ -38,6 +38,7 @@ def binds(document: Json) -> Iterator[Bind]:
     for group in _rows(_object(known.get("blendShapeMaster")).get("blendShapeGroups")):
         preset = str(group.get("presetName", NO_PRESET)).lower()
         name = str(group.get("name", "")) if preset == NO_PRESET else preset
+        # VRM 0 binds shapes of meshes, VRM 1.0 those of nodes.
         for bind in _rows(group.get("binds")):
             yield from _bind(name, bind.get("mesh"), bind, FULL_PERCENT)
 

@@ -93,7 +93,7 @@ def _written_forms(language: Pack[models.Language]) -> Iterator[Fault]:
 def _endings(
     language: Pack[models.Language], table: str, rules: RulesLike, text: LanguageText
 ) -> Iterator[Fault]:
-    """Check that rules are like others that are stated in full, and end as those do."""
+    """Check that rules name others that are stated in full, and change endings that these have."""
     loc = ("text", "number_rules", table)
     others = {name for name, r in text.number_rules.items() if not isinstance(r, RulesLike)}
     if rules.like in text.number_rules.keys() - others:

@@ -54,7 +54,7 @@ class HtkPhone(NamedTuple):
 
 
 class _Definitions:
-    """Reader of definitions; `~` names those that others refer to."""
+    """Reader of definitions; `~` begins the name of a shared one."""
 
     def __init__(self, path: Path) -> None:
         self.path, self.line = path, 1
@@ -182,7 +182,7 @@ class _Definitions:
         return MixturePart(weight, mean, variance)
 
     def _vector(self, sign: str, keyword: str) -> Floats:
-        """Read numbers, or return those that a name refers to."""
+        """Read a vector, or return the shared one of a name."""
         found: Floats | None = self._referred(sign)
         if found is not None:
             return found

@@ -278,7 +278,7 @@ def _wordless(audio: Audio, speaker: "Speaker") -> Schedule:
 
 
 def _words(model: Any, audio: Audio, code: str) -> list[RecognisedWord]:
-    """Return the words of a model, without those that it invents in parts without speech."""
+    """Return the words of a model, without words that it invents where nobody speaks."""
     samples = resampled(audio, SPEECH_RATE).samples.astype(np.float32) / INT16_FULL_SCALE
     found: list[RecognisedWord] = []
     for start, stop in parts(samples, *PART_SAMPLES):

@@ -483,7 +483,7 @@ def check_installed(
     lines: Iterable[PlannedLine] | None,
     tts: str | None,
 ) -> None:
-    """Add one fault for all that a project needs and is not installed, and those of its voices."""
+    """Add one fault for all missing packages that a project needs, and one for each wrong voice."""
     needed = extras_of_project(project, library, lines, tts)
     if missing := missing_for(needed):
         what, hint = missing_words(missing), f"install them: {install_line(*missing)}"

@@ -198,7 +198,7 @@ class Records:
         return self.names[number]
 
     def packed(self, needs: Mapping[str, bytes]) -> bytes:
-        """Return needs as bytes of `NEED`, and give numbers to those that have none yet."""
+        """Number the needs that are new, and return all as bytes of `NEED`."""
         new = [name for name in needs if name not in self.numbers]
         for name in new:
             number = len(self.numbers)

@@ -76,7 +76,7 @@ def _spelled(word: Schedule, to: str, notations: Mapping[str, Notation]) -> Sche
 
 
 def _filled(schedule: Schedule, inside: Mapping[int, Schedule]) -> Schedule:
-    """Put the labels of words in the place of those that stand there, each over the word's time."""
+    """Replace the labels of words, each over the time of its word."""
     labels: list[str] = []
     times: list[float] = []
     stress: list[int | None] = []

@@ -280,7 +280,7 @@ def other_performer(workshop: Workshop, character: str) -> Performer:
 
 
 def performed_beside(workshop: Workshop, character: str) -> Animation | None:
-    """Perform the line on another character, with those styles, regions and gestures it has.
+    """Perform the line on another character, with the styles, regions and gestures it shares.
 
     None if there is no line.
     """

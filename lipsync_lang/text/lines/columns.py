@@ -136,7 +136,7 @@ def _is_free(head: Sequence[str], at: int) -> bool:
 
 
 def language_parts(name: str) -> tuple[str, ...]:
-    """Return what a column may be named after, the whole name first, to guess its language."""
+    """Return the parts of a column's name that may be a language, the whole name first."""
     parts = _forms(folded_language(name))
     likely = (part for part in parts if part not in USUAL_WORDS)
     # In "line in it" stands no tag such as "in-it".

@@ -257,7 +257,7 @@ def adapt(speaker: Speaker, lines: Sequence[SpokenFile], models: Models) -> Adap
 def _frames(
     speaker: Speaker, lines: Sequence[SpokenFile], models: Models, turn: int
 ) -> tuple[dict[Path, AlignedFrames], list[str]]:
-    """Return the frames of the lines that fit, and those that do not with the reason."""
+    """Return the frames of the lines that fit, and the reasons of the other lines."""
     fitting: dict[Path, AlignedFrames] = {}
     left_out: list[str] = []
     read = speaker.transcripts([line.text for line in lines])

@@ -401,7 +401,7 @@ class Speaker:
         exhaust(said)
 
     def _for_direct_voice(self, texts: Iterable[str]) -> Iterator[Transcript | SpeechError]:
-        """Yield transcripts of texts that the pack reads; of others, for the voice, no words."""
+        """Yield transcripts of texts that the pack reads; texts for the voice have no words."""
         for batch in batches(texts):
             whole = self.manner.engine is None
             odd = [text for text in batch if not (whole or self._utterances.ordinary(text))]

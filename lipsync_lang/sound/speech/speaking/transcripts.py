@@ -54,7 +54,7 @@ class WrittenText(NamedTuple):
 
 
 def as_written(text: WrittenText, schedule: Schedule) -> Schedule:
-    """Return a schedule with the emphasis of its text, and what was left out of that."""
+    """Add to a schedule the emphasis of its text, and the markup that is not spoken."""
     words = schedule.words
     if text.spans:
         marked = touched((word.text for word in words), text.text, text.spans)

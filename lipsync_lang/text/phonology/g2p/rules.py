@@ -225,7 +225,7 @@ def _by_syllables(word: str, respelled: str, readings: Rewriter, foreign: Foreig
 
 
 class StatedReading(NamedTuple):
-    """A stated reading: its letters, their syllables, and what must stand around them."""
+    """A stated reading: its letters, their syllables, and the contexts on both sides."""
 
     letters: str
     syllables: tuple[str, ...]

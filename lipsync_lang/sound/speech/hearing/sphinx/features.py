@@ -73,7 +73,7 @@ class FrontEnd(ABC):
 
 @dataclass(frozen=True)
 class SphinxFrontEnd(FrontEnd):
-    """Settings of features; unless stated, those of a model that states none.
+    """Settings of features; the defaults serve a model that states none.
 
     Parameters
     ----------

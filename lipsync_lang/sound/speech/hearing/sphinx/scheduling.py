@@ -211,7 +211,7 @@ def listed(places: Sequence[str]) -> str:
 
 
 def line_confidence(heard: Sequence[HeardPhoneme]) -> float:
-    """Return the probability that the words are those that the sound has, in [0, 1].
+    """Return the probability that the sound has these words, in [0, 1].
 
     The evidence: the mean fit of their phonemes, their share of the speech among and beside them,
     and the fit of silence and noises to them, which is high where nobody speaks.
