@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import partial
 from itertools import groupby, pairwise
 from pathlib import Path
-from typing import NamedTuple, overload
+from typing import overload
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.packs.finding import Paths
 from lipsync_lang.schedules.phoneme_changes import with_changes
+from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
 from lipsync_lang.sound.speech.hearing.alignment import engine_and_model
 from lipsync_lang.sound.speech.hearing.recognise.recognisers import (
@@ -36,14 +37,6 @@ WORDLESS_POWER = 0.03
 
 HELD_TONE_SECONDS = 0.3
 """Mean length of its sounds beyond which they are tones of music: those of speech have some 0.1."""
-
-
-class HeardSound(NamedTuple):
-    """A label with its times in seconds."""
-
-    label: str
-    start: float
-    end: float
 
 
 @overload
@@ -164,15 +157,15 @@ def _power(audio: Audio, start: float, end: float) -> float:
     return float(np.square(part.astype(np.float64)).mean()) if part.size else 0.0
 
 
-def _sounds(audio: Audio, labels: Sequence[str], times: Floats, least: float) -> list[HeardSound]:
+def _sounds(audio: Audio, labels: Sequence[str], times: Floats, least: float) -> list[LabelRow]:
     """Return the sounds of a gap, outside of which all `times` are equal; silence is one of them.
 
     Stretches that are too short, too faint or too steady for speech are silence.
     """
     edges = times.tolist()
     inside = np.flatnonzero(np.diff(times) > 0).tolist()
-    heard = [HeardSound(labels[at], edges[at], edges[at + 1]) for at in inside]
-    found: list[HeardSound] = []
+    heard = [LabelRow(labels[at], edges[at], edges[at + 1]) for at in inside]
+    found: list[LabelRow] = []
     for silent, some in groupby(heard, key=lambda one: one.label == SILENCE):
         run = list(some)
         start, end = run[0].start, run[-1].end
@@ -182,14 +175,14 @@ def _sounds(audio: Audio, labels: Sequence[str], times: Floats, least: float) ->
             and _power(audio, start, end) >= least
         )
         if not speech and found and found[-1].label == SILENCE:
-            run = [HeardSound(SILENCE, found.pop().start, end)]
+            run = [LabelRow(SILENCE, found.pop().start, end)]
         elif not speech:
-            run = [HeardSound(SILENCE, start, end)]
+            run = [LabelRow(SILENCE, start, end)]
         found += run
     return found
 
 
-def _filled(found: Schedule, sounds: Mapping[int, Sequence[HeardSound]]) -> Schedule:
+def _filled(found: Schedule, sounds: Mapping[int, Sequence[LabelRow]]) -> Schedule:
     """Return a schedule with sounds in the place of some of its silences."""
     changes = [(at, (SILENCE,), [one.label for one in own]) for at, own in sounds.items()]
     inner = {at: [one.start for one in own[1:]] for at, own in sounds.items()}
