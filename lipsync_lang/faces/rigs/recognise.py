@@ -234,6 +234,7 @@ def find(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
     if lost:
         dead = [shape for shapes in lost.values() for shape in shapes]
         doubts[f"on the mesh, nothing moves with {some(dead)}"] = None
+    # If every shape is still, the mesh tells nothing, and the names count.
     if len(still) < len(model.shape_names):
         places = {name: shapes for name, shapes in places.items() if name not in lost}
     for channel in channels:
@@ -289,6 +290,7 @@ def _matches(library: Library, poseset: models.PoseSet, model: Model) -> Iterato
         if found.places:
             held = {n: one for n, one in channels_of(rig.model).items() if n in found.places}
             for name, one in held.items():
+                # A channel that the model lacks cannot limit another.
                 if one.at_most not in held:
                     held[name] = one.model_copy(update={"at_most": None})
             missing = tuple(one.name for one in channels if one.name not in found.places)
