@@ -38,7 +38,7 @@ def read_ctm(source: TimingFile) -> Timings:
     form = "a sound; write FILE CHANNEL START DURATION LABEL"
     for number, found in source.matches(CTM_LINE, form, comments=CTM_COMMENT):
         start, length = source.time(found[3], number), source.time(found[4], number)
-        # Others than Kaldi write a kind of word here, such as `lex`.
+        # With more fields behind it, the next one is no probability for sure.
         sure = float(found[6]) if re.fullmatch(CTM_CONFIDENCE, found[6] or "") else None
         row = LabelRow(found[5], start, start + length, number, sure)
         tiers[found[1], found[2]].append(row)
