@@ -140,8 +140,8 @@ def merge(parent: "Language", child: "Language") -> "Language":
     for name, labels in child.notations.items():
         # `ɡ` and `g` are one label
         anew, known = set(map(normalise, labels)), notations.get(name, {}).items()
-        kept = {one: way for one, way in known if one in labels or normalise(one) not in anew}
-        notations[name] = kept | labels
+        others = {one: way for one, way in known if one in labels or normalise(one) not in anew}
+        notations[name] = others | labels
     return child.model_copy(update={**taken, "notations": notations})
 
 

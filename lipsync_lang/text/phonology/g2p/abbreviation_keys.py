@@ -10,7 +10,7 @@ In the text, `#` is `№` here, the `~` of `~30` is `≈`, and digits of other s
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache, cached_property
 from itertools import pairwise
 from typing import NamedTuple
@@ -163,7 +163,7 @@ class AbbreviationKeys:
         plain = _RANGE_SIGN.sub("〜", text)
         # `12-Й`, `12. SZINT` and `12. STOCK` are read like small letters, but not `5G`
         cases = (str.lower, str.capitalize) if text.isupper() else ()
-        calm = [_SHOUTED.sub(lambda word, case=case: case(word[0]), text) for case in cases]
+        calm = [_calmed(text, case) for case in cases]
         calm = [one for one in calm if len(one) == len(text)]
         while start := self._starts.search(plain, at):
             at = start.end()
@@ -292,6 +292,11 @@ class AbbreviationKeys:
         left = " " if any(map(counts, before)) and read[:1].isalnum() else ""
         right = " " if is_spaced(rest[:1]) and counts(read[-1:] or " ") else ""
         return left + read + right
+
+
+def _calmed(text: str, case: Callable[[str], str]) -> str:
+    """Return a text in capitals with its words in other cases."""
+    return _SHOUTED.sub(lambda word: case(word[0]), text)
 
 
 def _digits(grouped: re.Match[str]) -> str:

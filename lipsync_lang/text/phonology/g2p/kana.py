@@ -106,8 +106,8 @@ def _read(sentence: str) -> list[tuple[str, str]]:
         if not (again and _ENDING_TWICE.fullmatch(again)):
             kana[-1] += said if _KANA.fullmatch(said) else sentence[start:stop]
         before = morpheme
-    words = (sentence[slice(*span)] for span in pairwise((*cuts, len(sentence))))
-    return list(zip(words, kana, strict=True))
+    cut = (sentence[slice(*span)] for span in pairwise((*cuts, len(sentence))))
+    return list(zip(cut, kana, strict=True))
 
 
 def _belongs(before: dict[str, str], morpheme: dict[str, str]) -> bool:
