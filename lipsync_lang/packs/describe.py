@@ -134,6 +134,7 @@ def _character(library: Library, pack: Pack[models.Character]) -> Description:
         "bigrams of its own": model.bigrams,
         "trigrams of its own": model.trigrams,
         "targets of its own": model.targets,
+        "mouths of its own": model.mouths,
         "banks": model.banks,
         "words": model.words,
         "lines": model.lines,

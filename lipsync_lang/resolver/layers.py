@@ -161,7 +161,8 @@ class PairPacks:
                 raise
             _log.info("%s keeps the targets of its pose set: %s", who.name, error)
             return None
-        return solved_face(face, self.common.model, model, plain, who.reach or face.reach)
+        mouths = self.common.model.mouths() | who.mouths
+        return solved_face(face, mouths, model, plain, who.reach or face.reach)
 
     def refuse_faults(self) -> None:
         """Raise an error with every fault that prevents a performance of these packs.
@@ -499,6 +500,8 @@ class PairPacks:
         if not own and self.solved is not None and phoneme in self.solved.targets:
             kind = "shades" if phoneme in self.common.model.shades else "phonemes"
             place = self.common.where((kind, phoneme, "mouth"))
+            if phoneme in self.character.model.mouths:
+                place = self.character.where(("mouths", phoneme))
             return f"{place}, solved on {self.solved.model.name}"
         return str((self.character if own else self.poseset).where(("targets", phoneme)))
 

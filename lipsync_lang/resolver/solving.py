@@ -74,7 +74,7 @@ class SolvedFace:
 
 def solved_face(
     poseset: models.PoseSet,
-    common: models.Phonemes,
+    mouths: Mapping[str, Sequence[models.SoundMouth]],
     model: "Model",
     rig: Mapping[str, Any] | None = None,
     reach: float | None = None,
@@ -83,6 +83,7 @@ def solved_face(
 
     Parameters
     ----------
+    mouths : the mouths of sounds in running speech, by phoneme
     rig : the rig that drives it, as plain data; None if its shapes are the poses
     reach : factor of all measures; None for that of the pose set
 
@@ -94,8 +95,8 @@ def solved_face(
     Examples
     --------
     >>> library = Library()
-    >>> poseset, common = library.poseset("arkit").model, library.common().model
-    >>> face = solved_face(poseset, common, read_model(Path("head.glb")))  # doctest: +SKIP
+    >>> poseset, mouths = library.poseset("arkit").model, library.common().model.mouths()
+    >>> face = solved_face(poseset, mouths, read_model(Path("head.glb")))  # doctest: +SKIP
     >>> face.targets["aa"][0].weights  # doctest: +SKIP
     {'jawOpen': 0.31, 'mouthClose': 0.0}
     """
@@ -110,11 +111,11 @@ def solved_face(
             "Make the shapes that open it poses of their own with `lipsync-lang posesets new`, or "
             "keep the targets of the pose set with `mouth: declared` in a character"
         )
-    sounds, face = {**common.phonemes, **common.shades}, _FaceToSolve.of(poseset, gains)
+    face = _FaceToSolve.of(poseset, gains)
     targets = {
-        name: face.target(name, steps, sounds[name].mouth, reach or poseset.reach)
+        name: face.target(name, steps, mouths[name], reach or poseset.reach)
         for name, steps in poseset.targets.items()
-        if name in sounds and sounds[name].mouth
+        if mouths.get(name)
     }
     reached = {
         name: np.array([gains @ face.weights(one) for one in targets[name]]) for name in targets

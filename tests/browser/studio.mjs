@@ -335,10 +335,17 @@ const stories = {
       thresholds.push(await page.inputValue(".rule input[type=number]"));
     }
     const title = await undo();
+    await page.click('[data-sheet="mouths"]');
+    const aperture = page.getByLabel("aa, aperture"), before = await face();
+    await aperture.fill("0.31");
+    await page.keyboard.press("Tab");
+    await page.waitForFunction(() => document.querySelector("#undo").title.includes("Mouth of aa"));
+    await page.waitForFunction(() => document.activeElement.ariaLabel === "aa, width");
+    const posed = differing(await face(), before);
     await page.keyboard.press("Control+s");
     await saved(page);
     const nameless = await page.$$eval(".character-view :is(input, select, button)", (all) => all.filter((one) => !(one.ariaLabel || one.textContent || one.labels?.length)).length);
-    return { through, solid, slid, rule, pictured, off, shown, ranks, thresholds, title, nameless };
+    return { through, solid, slid, rule, pictured, off, shown, ranks, thresholds, title, posed, nameless };
   },
 
   /** An album for the documentation: each view with something in it; FOLDER gets the pictures. */

@@ -73,7 +73,7 @@ def test_a_solved_target_keeps_bounds_pairs_contacts_and_ceilings(name, data):
 def test_vowels_open_as_far_on_every_head(tmp_path, monkeypatch, jaw):
     monkeypatch.setitem(face_models.OPENINGS, "jawOpen", jaw)
     poseset = LIBRARY.poseset("arkit").model
-    found = solved_face(poseset, COMMON, read_model(face(tmp_path / "head.glb", *ARKIT)))
+    found = solved_face(poseset, COMMON.mouths(), read_model(face(tmp_path / "head.glb", *ARKIT)))
     for name in ("aa", "eh", "ih", "kg"):
         reached, wanted = found.reached[name][0, 0], SOUNDS[name].mouth[0].aperture
         assert reached == pytest.approx(wanted, abs=0.03), name
@@ -84,7 +84,7 @@ def test_consonants_do_not_flap_on_a_head_whose_consonants_open(tmp_path, monkey
         monkeypatch.setitem(face_models.OPENINGS, shape, 0.3)
     poseset = LIBRARY.poseset("oculus").model
     path = face(tmp_path / "head.glb", *OCULUS)
-    found = solved_face(poseset, COMMON, read_model(path))
+    found = solved_face(poseset, COMMON.mouths(), read_model(path))
     solver = _FaceToSolve.of(poseset, pose_gains(poseset, read_model(path)))
     for name in ("d", "n", "kg", "ch"):
         assert error(solver, name, found.targets[name]) < 0.6 * error(
@@ -132,7 +132,7 @@ def test_reach_moves_every_mouth_farther(tmp_path):
     poseset = LIBRARY.poseset("arkit").model
     path = face(tmp_path / "head.glb", *ARKIT)
     near, far = (
-        solved_face(poseset, COMMON, read_model(path), reach=reach) for reach in (1.0, 1.6)
+        solved_face(poseset, COMMON.mouths(), read_model(path), reach=reach) for reach in (1.0, 1.6)
     )
     for name in ("aa", "eh", "l", "d"):
         ratio = far.reached[name][0, 0] / near.reached[name][0, 0]
@@ -142,12 +142,12 @@ def test_reach_moves_every_mouth_farther(tmp_path):
 def test_a_head_whose_mouth_the_pose_set_cannot_open_is_refused(tmp_path):
     path = face(tmp_path / "head.glb", *ARKIT, "viseme_aa", dead={"jawOpen"})
     with pytest.raises(ll.ModelError, match=r"head\.glb: no shape of it that is a pose of arkit"):
-        solved_face(LIBRARY.poseset("arkit").model, COMMON, read_model(path))
+        solved_face(LIBRARY.poseset("arkit").model, COMMON.mouths(), read_model(path))
 
 
 def test_a_head_that_cannot_be_measured_keeps_the_declared_targets(tmp_path):
     path = face(tmp_path / "head.glb", *ARKIT, dead={"jawOpen"})
-    assert solved_face(LIBRARY.poseset("arkit").model, COMMON, read_model(path)) is None
+    assert solved_face(LIBRARY.poseset("arkit").model, COMMON.mouths(), read_model(path)) is None
     plain, same = (ll.resolve("english", who) for who in ("arkit", path))
     assert np.array_equal(plain.compiled.tables.neutral.curves, same.compiled.tables.neutral.curves)
 
@@ -193,6 +193,25 @@ def test_one_line_keeps_the_declared_targets(project):
     declared = project("mouth: declared\n")
     assert declared.solved is None
     assert declared.face.targets == declared.poseset.model.targets
+
+
+def test_a_character_states_mouths_of_its_own(project):
+    usual = project()
+    own = project("mouths: {aa: {aperture: 0.4, width: 0.02}}\n")
+    before, now = (one.solved.reached for one in (usual, own))
+    assert now["aa"][0, 0] == pytest.approx(0.4, abs=0.04)
+    assert now["aa"][0, 0] > before["aa"][0, 0] + 0.1
+    assert np.array_equal(now["eh"], before["eh"])
+    assert "anna.yaml:6:" in own.targets["aa"][1]
+    assert own.targets["aa"][1].endswith(", solved on head.glb")
+    assert "common.yaml:" in own.targets["eh"][1]
+
+
+def test_a_mouth_of_an_unknown_sound_is_a_fault(project):
+    with pytest.raises(ll.LipsyncError, match=r"anna\.yaml:6:10: P\d+ .*'aaa'"):
+        project("mouths: {aaa: {aperture: 0.4, width: 0}}\n")
+    with pytest.raises(ll.LipsyncError, match=r"anna\.yaml:6:.*aperture"):
+        project("mouths: {aa: {aperture: 4, width: 0}}\n")
 
 
 def test_a_line_of_the_project_keeps_the_declared_targets_of_all_faces(

@@ -10,6 +10,7 @@ import pytest
 
 pytest.importorskip("starlette", reason="the studio needs Starlette")
 
+from face_models import ARKIT, face
 from shipped import LIBRARY
 from studio_calls import Caller
 
@@ -249,3 +250,26 @@ def test_a_rig_is_offered_for_a_model_before_anything_is_written(tmp_path):
     assert caller.api("character").json["rig"] == "facefx-to-oculus"
     again = caller.post("model", head, {"name": "head.glb"}).json
     assert "offer" not in again
+
+
+def test_a_mouth_of_the_character_is_solved_again_and_undone(tmp_path):
+    (tmp_path / "characters").mkdir()
+    face(tmp_path / "characters" / "head.glb", *ARKIT)
+    text = "kind: character\nformat: 1\nname: anna\nposeset: arkit\nmodel: head.glb\n"
+    (tmp_path / "characters" / "anna.yaml").write_text(text)
+    workshop, caller = opened(tmp_path, "anna")
+
+    def shown():
+        told = {one["name"]: one for one in caller.api("character").json["mouths"]}
+        return told["aa"]["own"], told["aa"]["steps"], len(told["ow"]["steps"])
+
+    usual, before = [{"aperture": 0.24, "width": -0.01}], bits(workshop)
+    assert shown() == (False, usual, 2)
+    wide = {"aperture": 0.5, "width": 0.02}
+    edit = {"file": "character", "at": ["mouths", "aa"], "value": wide}
+    assert caller.post("edit", {"title": "Mouth of aa", "edits": [edit]}).status == 200
+    assert shown() == (True, [wide], 2)
+    assert bits(workshop) != before
+    assert caller.post("undo", {}).status == 200
+    assert shown() == (False, usual, 2)
+    assert bits(workshop) == before

@@ -389,8 +389,9 @@ def _own_drafts(
     for number, pose in enumerate(model.has):
         if pose not in optional:
             yield character.unknown(("has", number), "P201", "optional pose", pose, optional)
-    for label in model.targets:
-        yield from _phoneme(character, ("targets", label), label, phonemes, key=True)
+    for field in ("targets", "mouths"):
+        for label in getattr(model, field):
+            yield from _phoneme(character, (field, label), label, phonemes, key=True)
     for loc, pose in _poses_targeted(model):
         yield from _pose(character, loc, pose, poseset)
     yield from unprepared(character, poseset)

@@ -63,6 +63,9 @@ class SoundMouth(Strict):
     """Way of the chin downwards, where the teeth must be near each other; else it is free."""
 
 
+Mouths = Annotated[tuple[SoundMouth, ...], OrOne]
+"""The mouth of a sound, or several in a row for a sound that moves."""
+
 MOUTH_MEASURES = (*SoundMouth.model_fields,)
 """Names of the measures of a mouth, which those of a model share."""
 
@@ -78,7 +81,7 @@ class SoundFields(Strict):
     """A word with the sound in it."""
     sound: SoundClass | None = Field(default=None, alias="class")
     """The manner of the sound, which gives its estimated duration."""
-    mouth: Annotated[tuple[SoundMouth, ...], OrOne] = ()
+    mouth: Mouths = ()
     """The mouth in running speech, or several in a row for a sound that moves."""
 
 
@@ -184,6 +187,11 @@ class Phonemes(PackModel):
     def rests(self) -> tuple[str, ...]:
         """Labels at which the mouth rests: of silence and of noise."""
         return (*self.silence_labels, *self.noise_labels)
+
+    def mouths(self) -> dict[str, tuple[SoundMouth, ...]]:
+        """Return the mouth of each phoneme and shade that states one."""
+        sounds = {**self.phonemes, **self.shades}
+        return {name: sound.mouth for name, sound in sounds.items() if sound.mouth}
 
     @model_validator(mode="after")
     def _spelled_once(self) -> Self:

@@ -39,6 +39,7 @@ from lipsync_lang.packs.models.gesture_models import (
     GesturePose,
     GestureScale,
 )
+from lipsync_lang.packs.models.language_models import Mouths
 from lipsync_lang.packs.models.motion_models import MotionFields
 from lipsync_lang.packs.yaml.source import Data
 
@@ -558,6 +559,8 @@ class Character(PackModel, Delivery):
     the character's own always stays. Unless stated, as the pose set says."""
     reach: MouthReach | None = None
     """Factor of solved mouths, in place of the pose set's."""
+    mouths: dict[Common, Mouths] = Field(default={})
+    """Mouths that targets are solved for, by phoneme, in place of those of `common.yaml`."""
 
     def scalar(self, item: str) -> float | None:
         """Return the character's own value of ``softness.REGION`` and the like, or None."""

@@ -66,6 +66,15 @@ def character(workshop: Workshop, _: StudioRequest) -> Json:
             }
             for name in phonemes
         ],
+        "mouths": [
+            {
+                "name": name,
+                "own": name in who.mouths,
+                "steps": [one.model_dump(exclude_none=True) for one in mouth],
+            }
+            for name, mouth in (common.mouths() | who.mouths).items()
+            if name in phonemes
+        ],
         "motion": {name: None if value == np.inf else value for name, value in motion.items()},
         "ranges": {name: list(span) for name, span in RANGES.items()},
         "softness": SOFTNESS_SECONDS,

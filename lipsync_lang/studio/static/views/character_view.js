@@ -2,6 +2,7 @@
 
 import { button, made } from "../shell/elements.js";
 import { ModelPanel } from "./model_panel.js";
+import { MouthTable } from "./mouth_table.js";
 import { PoseMixer } from "./pose_mixer.js";
 import { PoseSheet } from "./pose_sheet.js";
 import { RuleForms } from "./rule_forms.js";
@@ -12,7 +13,9 @@ import { kindsOf, REGION } from "../face/tongue_view.js";
 /** @typedef {Record<string, number>} Mix weights by pose */
 
 /** Names in the address, and titles, of the sheets beside the sliders. @type {[string, string][]} */
-const SHEETS = [["poses", "Poses"], ["targets", "Targets"], ["rules", "Rules"], ["model", "Model"]];
+const SHEETS = [
+  ["poses", "Poses"], ["targets", "Targets"], ["mouths", "Mouths"], ["rules", "Rules"], ["model", "Model"],
+];
 
 tellKeys({
   t: "Character: take the sliders as the target of the chosen sound",
@@ -63,6 +66,11 @@ export class CharacterView {
       face: (weights) => this.pose({ ...weights }),
       mix: () => this.mix,
     });
+    this.mouths = new MouthTable(
+      this.#place("mouths"),
+      (phoneme, mouth, title) => this.#editMouth(["mouths", phoneme], mouth, title),
+      (phoneme, step) => this.#showMouth(phoneme, step),
+    );
     this.rules = new RuleForms(this.#place("rules"), {
       edit: (at, value, title, done) => this.#edit(at, value, title, done),
       attempt: (mix) => {
@@ -106,7 +114,7 @@ export class CharacterView {
 
   hide() {
     this.visible = false;
-    if (this.posing) this.studio.pose(null);
+    if (this.posing || this.sheet === "mouths") this.studio.pose(null);
     this.posing = false;
   }
 
@@ -169,6 +177,7 @@ export class CharacterView {
       own,
     });
     this.rules.show({ ...told, poses, phonemes: told.phonemes.map((/** @type {{name: string}} */ one) => one.name) });
+    this.mouths.show(told.mouths);
     this.model.show(told);
     const now = this.targets.weights();
     if (this.posing && before && now && alike(before, this.mix) && !alike(before, now)) this.pose({ ...now });
@@ -224,6 +233,23 @@ export class CharacterView {
     await this.studio.edit([edit], title, merge);
     this.open -= 1;
     await this.studio.attempt(() => this.#load());
+  }
+
+  /** @param {string[]} at @param {unknown} value @param {string} title */
+  async #editMouth(at, value, title) {
+    const edit = value === undefined ? { file: "character", at } : { file: "character", at, value };
+    await this.studio.edit([edit], title);
+    await this.studio.attempt(() => this.#load());
+  }
+
+  /** @param {string} phoneme @param {number} step */
+  async #showMouth(phoneme, step) {
+    const { studio } = this;
+    studio.player.pause();
+    await studio.attempt(async () => {
+      const { steps } = await studio.api.get(`language/mouth/${encodeURIComponent(phoneme)}`);
+      studio.pose(Float32Array.from(steps[Math.min(step, steps.length - 1)]));
+    });
   }
 
   // The face
