@@ -267,12 +267,9 @@ class PairPacks:
     @cached_property
     def likes(self) -> dict[str, str]:
         """The substitute (`like`) of each added phoneme."""
-        found = {}
-        for name, own in self.language.model.adds.items():
-            phoneme = own or self.common.model.phonemes.get(name)
-            if phoneme is not None and phoneme.like is not None:
-                found[name] = phoneme.like
-        return found
+        common = self.common.model.phonemes
+        adds = {name: own or common.get(name) for name, own in self.language.model.adds.items()}
+        return {name: one.like for name, one in adds.items() if one and one.like is not None}
 
     @cached_property
     def drawn(self) -> tuple[DrawnBigrams, ...]:

@@ -336,11 +336,11 @@ const stories = {
     }
     const title = await undo();
     await page.click('[data-sheet="mouths"]');
-    const aperture = page.getByLabel("aa, aperture"), before = await face();
+    const aperture = page.getByLabel("w, aperture", { exact: true }), before = await face();
     await aperture.fill("0.31");
     await page.keyboard.press("Tab");
-    await page.waitForFunction(() => document.querySelector("#undo").title.includes("Mouth of aa"));
-    await page.waitForFunction(() => document.activeElement.ariaLabel === "aa, width");
+    await page.waitForFunction(() => document.querySelector("#undo").title.includes("Mouth of w"));
+    await page.waitForFunction(() => document.activeElement.ariaLabel === "w, width");
     const posed = differing(await face(), before);
     await page.keyboard.press("Control+s");
     await saved(page);

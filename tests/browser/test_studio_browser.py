@@ -215,7 +215,9 @@ def test_a_character_is_posed_seen_through_and_edited(studio):
     assert "Rank of smile" in told["title"]
     assert told["posed"] > 20
     character = (studio.folder / "characters/crab.yaml").read_text("utf-8")
-    assert "mouths: {aa: {aperture: 0.31, width: -0.01}}" in " ".join(character.split())
+    assert "mouths: {w: {aperture: 0.31, width: -0.155, protrusion: 0.14}}" in " ".join(
+        character.split()
+    )
     assert told["nameless"] == 0
     poseset = studio.folder / "posesets/crab/poseset.yaml"
     lines = poseset.read_text("utf-8").splitlines()

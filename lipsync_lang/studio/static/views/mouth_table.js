@@ -21,6 +21,8 @@ export class MouthTable {
   constructor(place, edit, pose) {
     this.edit = edit;
     this.body = made("tbody");
+    /** @type {SoundMouth[]} */
+    this.mouths = [];
     this.body.addEventListener("focusin", (event) => {
       const row = /** @type {HTMLElement} */ (event.target).closest("tr");
       pose(row?.dataset.phoneme ?? "", Number(row?.dataset.step));
@@ -38,9 +40,11 @@ export class MouthTable {
 
   /** @param {SoundMouth[]} mouths */
   show(mouths) {
+    this.mouths = mouths;
     const held = document.activeElement?.getAttribute("aria-label") ?? "";
     this.body.replaceChildren(...mouths.flatMap((mouth) => mouth.steps.map((_, step) => this.#row(mouth, step))));
-    if (held) /** @type {HTMLElement | null} */ (this.body.querySelector(`[aria-label="${CSS.escape(held)}"]`))?.focus();
+    const again = held ? this.body.querySelector(`[aria-label="${CSS.escape(held)}"]`) : null;
+    /** @type {HTMLElement | null} */ (again)?.focus();
   }
 
   /** @param {SoundMouth} mouth @param {number} step */
@@ -49,9 +53,12 @@ export class MouthTable {
     const cells = MEASURES.map(([measure, min, max]) => {
       const now = steps[step][measure] ?? null;
       const field = numberField(`${label}, ${measure}`, now, { min, max, step: 0.005 }, (value) => {
+        if (value === null && STATED.has(measure)) {
+          this.show(this.mouths);
+          return;
+        }
         const { [measure]: _, ...rest } = steps[step];
-        const left = STATED.has(measure) ? { ...rest, [measure]: now ?? 0 } : rest;
-        const changed = steps.with(step, value === null ? left : { ...rest, [measure]: value });
+        const changed = steps.with(step, value === null ? rest : { ...steps[step], [measure]: value });
         this.edit(name, changed.length > 1 ? changed : changed[0], `Mouth of ${name}`);
       });
       return made("td", field);
