@@ -6,7 +6,7 @@ when it first reads text. The text of `ipa:CODE` is IPA itself.
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.packs.finding import IPA
@@ -20,19 +20,8 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.models import Language, Phonemes
 
 
-class IpaEngine(NamedTuple):
-    """A source of IPA; `field` of `g2p` holds its code, and is None if it needs none."""
-
-    field: str | None = None
-    speaks: bool = False
-
-
-IPA_ENGINES: dict[str, IpaEngine] = {
-    "espeak": IpaEngine("voice", speaks=True),
-    "epitran": IpaEngine("code"),
-    IPA: IpaEngine(),
-}
-"""Sources of IPA by name; an entry makes the languages of another engine available."""
+IPA_ENGINES = {"espeak": "voice", "epitran": "code", IPA: "code"}
+"""Sources of IPA, each with the field of `g2p` that holds its code; a voice speaks, too."""
 
 UNDETERMINED = f"{IPA}:und"
 """Any language; `und` is the tag of an undetermined one."""
@@ -71,7 +60,7 @@ def automatic(name: str, phonemes: "Callable[[], Pack[Phonemes]]") -> "Pack[Lang
     coded = LANGUAGE_CODE.fullmatch(code)
     if engine not in IPA_ENGINES or coded is None:
         return None
-    reader = IPA_ENGINES[engine]
+    field = IPA_ENGINES[engine]
     common = phonemes().model
     # features lead to any common phoneme, and no pack says which the language has
     beyond = (p for p in common.phonemes if p not in {*common.base, common.silence})
@@ -82,8 +71,8 @@ def automatic(name: str, phonemes: "Callable[[], Pack[Phonemes]]") -> "Pack[Lang
         "title": f"{code} as {engine} has it, mapped automatically",
         "tag": coded["tag"].replace("_", "-"),
         "adds": dict.fromkeys(beyond),
-        "g2p": {"engine": engine, reader.field or "code": code, "notation": IPA},
-        "tts": {"engine": engine, "voice": code} if reader.speaks else None,
+        "g2p": {"engine": engine, field: code, "notation": IPA},
+        "tts": {"engine": engine, field: code} if field == "voice" else None,
         "notations": {IPA: {}},
         "automatic": True,
         "caveats": ("no speaker of the language has checked it",),

@@ -180,25 +180,20 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         if own is not None:
             known[spelling] = Interjection(own.to, own.say)
     numerals = stated.numerals
+    alike = ("beginnings", "letters", "repeated", "doubled", "hyphenated", "thousands", "decimal")
     return SpokenForms(
         interjections=known,
         abbreviations=_listed(stated.expansions, stated.lists) | phrases,
         words=words,
-        beginnings=stated.beginnings,
         endings={last: dict(others) for last, others in stated.endings.items()},
-        letters=stated.letters,
-        repeated=stated.repeated,
         numbers={**stated.numbers, **stated.number_tables},
-        counted=numerals.counted if numerals else (),
-        named=numerals.named if numerals else (),
-        ordinals=numerals.ordinals if numerals else (),
-        numeral_words=numerals.words if numerals else (),
-        doubled=stated.doubled,
-        hyphenated=stated.hyphenated,
+        counted=numerals.counted,
+        named=numerals.named,
+        ordinals=numerals.ordinals,
+        numeral_words=numerals.words,
         vowels=vowels,
         censored=censored,
-        thousands=stated.thousands,
-        decimal=stated.decimal,
+        **{name: getattr(stated, name) for name in alike},
     )
 
 

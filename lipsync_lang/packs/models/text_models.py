@@ -181,9 +181,6 @@ def _read_alike(spellings: tuple[str, ...]) -> tuple[str, ...]:
     return spellings
 
 
-RankWords = Annotated[str, Field(pattern=r"^[^{}|]+$")]
-
-
 class LanguageText(Strict):
     """Written forms of a language that its engine would misread."""
 
@@ -203,7 +200,9 @@ class LanguageText(Strict):
     `month`. `№ #` also serves `#1`, and `≈ #` serves `~30`. A spelling that holds more of the text
     precedes others. If `#` itself is a spelling, all numbers in words are read as it says, and `-#`
     names the minus of each."""
-    ranks: Annotated[dict[Text, RankWords], Short(_each_spelling)] = Field(default={})
+    ranks: Annotated[
+        dict[Text, Annotated[str, Field(pattern=r"^[^{}|]+$")]], Short(_each_spelling)
+    ] = Field(default={})
     """The words for ranks, such as `por.: porucznik`, which stand before a name with a capital. The
     same spelling in `abbreviations` says what is read elsewhere."""
     letters: dict[Annotated[str, Field(pattern="^[A-Z]$")], Text] = Field(default={})
@@ -236,7 +235,7 @@ class LanguageText(Strict):
     """The sign between the thousands of a number, where the engine misreads it: `.` of 25.000."""
     decimal: str = ""
     """The word of the decimal sign in the numbers of `abbreviations`."""
-    numerals: Numerals | None = None
+    numerals: Numerals = Numerals()
     """Roman numerals, and the words before them."""
     beginnings: dict[Text, Text] = Field(default={})
     """Prefixes that respelled words of `words` with three letters or more take, each with its

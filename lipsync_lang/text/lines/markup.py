@@ -194,8 +194,8 @@ TAG_VALUES = re.compile(r"[ =].*", re.DOTALL)
 PLACEHOLDER_NAME = re.compile(r"[\w.-]+")
 LEFT_LETTER = re.compile(r"['’]?[b-df-hj-np-tv-xz](?![^\W_]|[-…]|\.\.)")
 """A consonant of a placeholder's word, as in `{name}'s`, which alone would be spelled."""
-RUN_ON = re.compile(r"\.(?<=[^\W\d_]{2}\.)(?=[^\W\d_](?!\.))")
-"""A full stop between two words, which ends a sentence if a capital follows: `Wait.Go!`."""
+RUN_ON = re.compile(r"\.(?<=[^\W\dA-Z_]{2}\.)(?=[A-ZÀ-ÞČĆĐĞİŁŘŚŠŞŻŽΑ-ΩЁІЇЄА-Я](?![A-Z.]))")
+"""A full stop between two words that ends a sentence, as in `Wait.Go!`."""
 LOOSE_PUNCTUATION = re.compile(r" ([,.])(?!\S)")
 PAUSE_MARK = "\0"
 """Placeholder for a pause, until the text around it is known."""
@@ -314,7 +314,7 @@ def spoken(text: str, cleaning: Cleaning = AS_WRITTEN) -> SpokenText:
     """
     text = ordinary(text)
     if not cleaning.unspoken and not SUSPECT.search(text):
-        return SpokenText(_sentences(" ".join(text.split())))
+        return SpokenText(RUN_ON.sub(". ", " ".join(text.split())))
     text = " ".join(text.replace(PAUSE_MARK, " ").split())
     text = ENTITY.sub(lambda found: unescape(f"&{found[1]}"), text)
     found = TextCleaner(chosen(text, cleaning.values), cleaning).spoken()
@@ -363,7 +363,7 @@ class TextCleaner:
                 beside = self.text[max(start - 1, 0) : start], self.text[at : at + 1]
                 self._left.append(" " if all(map(str.isalnum, beside)) else "")
         self._say(self._sound(done, len(self.text)))
-        tidy = _sentences(" ".join("".join(self._left).split()))
+        tidy = RUN_ON.sub(". ", " ".join("".join(self._left).split()))
         if PAUSE_MARK in tidy:
             tidy = " ".join(PAUSED.sub(_paused, tidy).split())
         said = LOOSE_PUNCTUATION.sub(r"\1", tidy).replace(f" {PAUSE_MARK}", PAUSE_MARK)
@@ -458,17 +458,6 @@ def _markup(
     signs = rf"(?![^\W_]|[\s.,!?'\"])(?:{'|'.join(sections)})"
     address = f"(?P<address>{ADDRESS})|" if addressed else ""
     return re.compile(f"{listed}{signs}|{address}(?P<face>{EMOTICONS})", re.DOTALL)
-
-
-def _sentences(text: str) -> str:
-    """Return a text with a space between its sentences, which a tag may have held apart."""
-
-    def parted(found: re.Match[str]) -> str:
-        before, after = text[found.start() - 2 : found.start()], text[found.end() : found.end() + 2]
-        ends = before.islower() and after[0].isupper() and not after[1:].isupper()
-        return ". " if ends else "."
-
-    return RUN_ON.sub(parted, text)
 
 
 def _paused(found: re.Match[str]) -> str:

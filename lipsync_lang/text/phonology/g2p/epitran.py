@@ -13,7 +13,8 @@ from lipsync_lang.text.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.text.phonology.g2p.tokens import plain, read_words
 from lipsync_lang.text.phonology.labels import LENGTH_MARKS, STRESS, TONE, normalise
 
-_REST, _STRESSED = ".,;!?…", re.compile(f"[{STRESS}]")
+_STRESS_SIGN = re.compile(f"[{STRESS}]")
+_IPA_WORDS = re.compile(r"(?:[^\s.,;!?…]|\.(?=\w))+|[.,;!?…]+")
 _JOINED = {"Mn", "Lm", "Sk"}
 """Unicode categories of diacritics and modifier letters, which belong to the letter before."""
 
@@ -57,15 +58,10 @@ def engine_of_ipa(settings: Settings) -> G2PEngine:
     """Read text that is IPA: words with spaces between them."""
     known = frozenset(map(normalise, settings.labels))
 
-    def words(text: str) -> Iterator[SpokenWord]:
-        for written in text.split():
-            word = written.rstrip(_REST)
-            if labels := segments(_STRESSED.sub("", word), known):
-                yield SpokenWord(word, labels)
-            if word != written:
-                yield SpokenWord(written[len(word) :], ())
+    def word(written: str) -> SpokenWord:
+        return SpokenWord(written, segments(_STRESS_SIGN.sub("", written), known))
 
-    return lambda texts: (tuple(words(text)) for text in texts)
+    return lambda texts: (tuple(map(word, _IPA_WORDS.findall(text))) for text in texts)
 
 
 def segments(ipa: str, known: Collection[str] = ()) -> tuple[str, ...]:

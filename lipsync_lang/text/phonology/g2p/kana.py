@@ -83,9 +83,9 @@ def _read(sentence: str) -> list[tuple[str, str]]:
             # Half of a surrogate pair has no UTF-8, which the dictionary takes.
             morphemes = reader.g2p_mapping(_SURROGATE.sub("\ufffd", sentence), **_MANNER)
         except ValueError:  # what it wrote cannot be traced back to the letters
-            words = sentence.rstrip(_SENTENCE_MARKS)
-            kana_of_words = str(reader.g2p(words, kana=True)).translate(_PLAIN_KANA)
-            return [(words, kana_of_words), (mark := sentence[len(words) :], mark)]
+            said = sentence.rstrip(_SENTENCE_MARKS)
+            read = str(reader.g2p(said, kana=True)).translate(_PLAIN_KANA)
+            return [(said, read), (mark := sentence[len(said) :], mark)]
     if not morphemes:
         return [(sentence, sentence)]
     cuts: list[int] = []
