@@ -21,6 +21,7 @@ def glb(path, *shapes, bones=(), extensions=None, **meshes):
         ],
         "scenes": [{"nodes": [*range(len(named) + len(bones))]}],
         "extensions": extensions or {},
+        "extensionsUsed": [*(extensions or {})],
     }
     text = json.dumps(document).encode()
     text += b" " * (-len(text) % 4)

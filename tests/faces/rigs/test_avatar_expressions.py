@@ -36,7 +36,11 @@ def vrm1(path, mouths=MOUTHS, shapes=SHAPES, kind="preset", **stated):
         }
         for name, own in mouths.items()
     }
-    return glb(path, *shapes, extensions={"VRMC_vrm": {"expressions": {kind: expressions}}})
+    return glb(
+        path,
+        *shapes,
+        extensions={"VRMC_vrm": {"specVersion": "1.0", "expressions": {kind: expressions}}},
+    )
 
 
 def vrm0(path):

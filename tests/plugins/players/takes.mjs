@@ -4,7 +4,7 @@
 // the weights by shape at a time of the line, after Play, after the language has changed, and after Skip.
 import { readFileSync } from "node:fs";
 import { join, normalize } from "node:path";
-import { WEBGL, launch, serve, watch } from "./browsing.mjs";
+import { WEBGL, launch, serve, watch } from "../../browser/browsing.mjs";
 
 const [modules, chromium, folder, picture] = process.argv.slice(2);
 const MODULES = "/node_modules/";
