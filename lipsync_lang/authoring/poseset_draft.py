@@ -146,14 +146,7 @@ def _made(
         origin = "all at rest until you give them targets, or use --guess"
         targets = {label: (models.PhonemeTarget(weights={}),) for label in common.base}
         return _bare(dict.fromkeys(names, models.Pose()), targets=targets), {"": what}, origin
-    # Closures are the sounds with a contact ceiling in every pose set that has ceilings.
-    shut = [
-        {label for rule in one.contacts.values() if rule.ceiling for label in rule.phonemes}
-        for one in sets
-    ]
-    stated = [labels for labels in shut if labels]
-    closures = [name for name in common.base if stated and all(name in some for some in stated)]
-    made = guessed(names[: len(common.base)], closures, common)
+    made = guessed(names[: len(common.base)], common)
     kinds: dict[str, dict[str, None]] = {}
     for label, (target,) in made.targets.items():
         kind = common.phonemes[label].sound if label in common.phonemes else None
@@ -243,15 +236,15 @@ def _constraints(known: models.Constraints, new: Mapping[str, Sequence[str]]) ->
     return models.Constraints(default=known.default, pairs=tuple(pairs))
 
 
-def guessed(
-    poses: Sequence[str], shutting: Sequence[str], common: models.Phonemes
-) -> models.PoseSet:
+def guessed(poses: Sequence[str], common: models.Phonemes) -> models.PoseSet:
     """Return a heuristic pose set for unknown poses, with one class of sounds per pose.
 
-    The first pose gets the largest class of sounds. Closure sounds (`shutting`) have weight 0 and a
+    The first pose gets the largest class of sounds. Sounds whose mouth is shut have weight 0 and a
     ceiling for the first pose.
     """
     first = poses[0]
+    mouths = {label: one.mouth for label, one in common.phonemes.items() if one.mouth}
+    shutting = [n for n in common.base if n in mouths and not any(m.aperture for m in mouths[n])]
     kinds: dict[str | None, list[str]] = {}
     for label in common.base:
         told = common.phonemes.get(label)

@@ -73,7 +73,7 @@ def test_poses_nobody_knows_rest_unless_a_guess_is_asked_for(cli):
 def test_each_pose_nobody_knows_is_for_a_kind_of_sounds():
     common = Library(project=None).common().model
     kinds = {p.sound for label, p in common.phonemes.items() if label in common.base}
-    model = guessed(["zza", "zzb", "zzc", "zzd"], ["bmp"], common)
+    model = guessed(["zza", "zzb", "zzc", "zzd"], common)
     heard = {}
     for label, (target,) in model.targets.items():
         strong = max(target.weights, key=target.weights.get)
@@ -82,11 +82,16 @@ def test_each_pose_nobody_knows_is_for_a_kind_of_sounds():
     assert all(len(some) == 1 for some in heard.values())
     assert len(heard) == len(kinds)
     assert model.contacts["closure"].ceiling == {"zza": 0.1}
+    assert model.contacts["closure"].phonemes == ("bmp",), "teeth on a lip leave a lamp lit"
     assert model.targets["bmp"][0].weights["zza"] == 0
 
 
-def test_sounds_that_shut_come_from_the_pose_sets_there_are(folder):
+def test_sounds_that_shut_are_those_of_a_shut_mouth(folder):
     plant(folder)
+    shut = TREE["languages/common.yaml"].replace(
+        "example: put,", "example: put, mouth: {aperture: 0, width: 0},"
+    )
+    put(folder, "languages/common.yaml", shut)
     made = draft(
         Library([folder], project=None), PoseSetWish("thing", ["zz"], like="face", guess=True)
     )
