@@ -20,9 +20,9 @@ def glb(path, *shapes, bones=(), extensions=None, **meshes):
             *({"name": name} for name in bones),
         ],
         "scenes": [{"nodes": [*range(len(named) + len(bones))]}],
-        "extensions": extensions or {},
-        "extensionsUsed": [*(extensions or {})],
     }
+    if extensions:  # glTF allows neither to be empty
+        document |= {"extensions": extensions, "extensionsUsed": [*extensions]}
     text = json.dumps(document).encode()
     text += b" " * (-len(text) % 4)
     body = struct.pack("<II", len(text), 0x4E4F534A) + text

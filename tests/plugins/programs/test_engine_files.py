@@ -20,12 +20,12 @@ from lipsync_lang.animations.animation import Animation, ExportSettings
 from lipsync_lang.animations.animation_writers import WRITERS, find_writer
 from lipsync_lang.animations.fixed import names
 from lipsync_lang.animations.keys import ERROR, KeyedCurve
-from lipsync_lang.animations.readers.live_link import fits, read_live_link
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.packs.yaml.events import load_yaml
 from lipsync_lang.plugins.programs.azure import AZURE_NAMES
 from lipsync_lang.plugins.programs.live2d import _segments
+from lipsync_lang.plugins.programs.live_link_take import fits, read_live_link
 
 DENSE, SPARSE = 1e-5, ERROR + 1e-9
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from lipsync_lang import AnimationError
 from lipsync_lang.animations.animation_readers import Recording, fail, reader
-from lipsync_lang.base.errors import AnimationError
 from lipsync_lang.base.files.reading import utf8_text
 
 TIMECODE_CELL = re.compile(r"(\d{1,6}):(\d{1,6}):(\d{1,6})[:;](\d{1,6}(?:\.\d+)?)")
