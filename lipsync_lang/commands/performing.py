@@ -1,5 +1,6 @@
 """Lines of the commands that perform one: performers, schedules and animations by options."""
 
+import sys
 from argparse import Namespace
 from dataclasses import replace
 from pathlib import Path
@@ -76,6 +77,8 @@ def performer_for(options: Namespace, character: str | None = None) -> "Performe
         options.language, character or options.character, paths=options.path, gaps=options.gaps,
         unknown=options.unknown, motion=motion_settings(options.settings), shades=options.shades,
     )  # fmt: skip
+    for warning in performer.compiled.report.idle:
+        print(warning, file=sys.stderr)
     return replace(performer, cleaning=cleaning(options))
 
 

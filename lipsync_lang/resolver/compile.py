@@ -13,9 +13,11 @@ import numpy as np
 from lipsync_lang.base.arrays import Bools, Floats, Ints, Singles
 from lipsync_lang.packs import models
 from lipsync_lang.packs.banks.draft import shape
+from lipsync_lang.packs.checking.pack_checks import idle_mouths
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.rig_models import expanded, pose_names
 from lipsync_lang.packs.pack import Pack
+from lipsync_lang.packs.project import stated_mouth
 from lipsync_lang.packs.yaml.faults import Fault, shown
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.curve import bspline, polyline
@@ -473,6 +475,8 @@ def _tops(tables: Tables, rows: list[int]) -> Floats:
 
 def _report(shelf: PairPacks, rows: PairRows, shorts: Sequence[Fault]) -> Report:
     warnings = [*(f for f in shelf.library.faults if f.severity == "warning"), *shorts]
+    project, solved = stated_mouth(shelf.library.project), shelf.solved is not None
+    idle = idle_mouths(shelf.character, shelf.poseset.model, project, solved=solved)
     origins = [row.origin for row in rows.counted]
     silence = shelf.common.model.silence
     base = set(shelf.common.model.base)
@@ -503,7 +507,8 @@ def _report(shelf: PairPacks, rows: PairRows, shorts: Sequence[Fault]) -> Report
         extra=sum(not base.issuperset(o.pair) for o in spoken),
         gaps=tuple("-".join(o.pair) for o in spoken if o.layer == "gap"),
         automatic=shelf.language.model.automatic,
-        warnings=tuple(str(fault) for fault in warnings),
+        warnings=tuple(map(str, warnings)),
+        idle=tuple(map(str, idle)),
         styles={style: dict(sorted(count.items())) for style, count in drawn.items()},
         trigrams={"-".join(triple): row.origin.layer for triple, (row, _) in rows.halves.items()},
     )

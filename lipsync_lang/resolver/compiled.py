@@ -62,6 +62,8 @@ class Report:
     automatic: bool = False
     """True if unmapped labels go to the nearest common phonemes by features."""
     warnings: tuple[str, ...] = ()
+    idle: tuple[str, ...] = ()
+    """Warnings of mouths of the character that have no effect."""
     styles: dict[str, dict[str, int]] = field(default_factory=dict)
     """Bigrams of each style by status, with silence; all others are neutral's."""
     trigrams: dict[str, str] = field(default_factory=dict)
@@ -92,7 +94,7 @@ class Report:
             lines.append(f"style {style}: {told}; the rest is neutral")
         if self.gaps:
             lines += [f"{count(len(self.gaps), 'bigram')} without curves:", *_gap_lines(self.gaps)]
-        return "\n".join([*lines, *self.warnings])
+        return "\n".join([*lines, *self.warnings, *self.idle])
 
 
 def _gap_lines(gaps: tuple[str, ...]) -> list[str]:

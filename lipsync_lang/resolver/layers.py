@@ -324,12 +324,8 @@ class PairPacks:
         kept = {name: value for name, value in vars(self).items() if name in UNDRAWN}
         vars(other).update(kept, drawn=drawn)
         if other.numbered == self.numbered:
-            same = {
-                "targets": self.targets,
-                "numbers": self.numbers,
-                "known_drafts": self.known_drafts,
-            }
-            vars(other).update(same)
+            drafts = self.known_drafts
+            vars(other).update(targets=self.targets, numbers=self.numbers, known_drafts=drafts)
         return other
 
     @property

@@ -214,6 +214,43 @@ def test_a_mouth_of_an_unknown_sound_is_a_fault(project):
         project("mouths: {aa: {aperture: 4, width: 0}}\n")
 
 
+IDLE = {
+    "": ("arkit", "the character has no model"),
+    "mouth: solved\n": ("facefx", "facefx keeps the targets that were made for its own model"),
+    "model: head.glb\nmouth: declared\n": ("arkit", "the character keeps declared targets"),
+    "model: dead.glb\n": ("arkit", "the mouth of its model cannot be measured"),
+}
+
+
+@pytest.mark.parametrize("field", ["mouths: {aa: {aperture: 0.4, width: 0}}", "reach: 1.4"])
+@pytest.mark.parametrize("head", IDLE)
+def test_mouths_of_a_head_that_is_not_solved_have_no_effect_and_a_warning(
+    cli, tmp_path, monkeypatch, field, head
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "characters").mkdir()
+    face(tmp_path / "characters" / "head.glb", *ARKIT)
+    face(tmp_path / "characters" / "dead.glb", *ARKIT, dead={"jawOpen"})
+    poseset, cause = IDLE[head]
+    text = f"kind: character\nformat: 1\nname: anna\nposeset: {poseset}\n{field}\n{head}"
+    (tmp_path / "characters" / "anna.yaml").write_text(text)
+    told = f"anna.yaml:5:1: W322 warning: no effect, because {cause}"
+    (tmp_path / "line.tsv").write_text("0\t0.2\tM\n0.2\t0.4\tAA\n")
+    for command in ("run", "check"):
+        ended = cli(command, "-l", "english", "-c", "anna", "--schedule", "line.tsv")
+        assert ended.err.count(told) == 1, (command, ended)
+        assert "targets" in ended.err.split(told)[1]
+    # no pack is checked by reading a model
+    assert (told in cli("validate").out) == ("dead.glb" not in head)
+    (tmp_path / "characters" / "anna.yaml").write_text(text.replace(f"{field}\n", ""))
+    for command in (
+        ("run", "-l", "english", "-c", "anna", "--schedule", "line.tsv"),
+        ("validate",),
+    ):
+        ended = cli(*command)
+        assert ("W322" in ended.err + ended.out) == (head == "mouth: solved\n"), command
+
+
 def test_a_line_of_the_project_keeps_the_declared_targets_of_all_faces(
     project, tmp_path, monkeypatch
 ):

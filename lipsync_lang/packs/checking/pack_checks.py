@@ -30,6 +30,7 @@ from lipsync_lang.packs.models import (
     TrigramCurves,
 )
 from lipsync_lang.packs.models.language_models import AudioFields
+from lipsync_lang.packs.models.pose_models import MouthOrigin
 from lipsync_lang.packs.models.rig_models import expanded
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault
@@ -401,6 +402,36 @@ def _own_drafts(
         if model.scalar(item) is None:
             what, hint = f"the character states no `{item}`", "delete this line"
             yield character.warning(("fitted", item), "W308", what, hint, key=True)
+
+
+def idle_mouths(
+    character: Pack[Character],
+    poseset: PoseSet,
+    project: MouthOrigin | None = None,
+    *,
+    solved: bool | None = None,
+) -> Iterator[Fault]:
+    """Warn of mouths and a reach without an effect, because no target is solved for them.
+
+    `project` is the `mouth` of the project, and `solved` tells if the model was solved. None for a
+    model that nobody has read: it may be.
+    """
+    model = character.model
+    stated = [field for field in ("mouths", "reach") if getattr(model, field)]
+    stated += ["mouth"] if model.mouth == "solved" else []
+    hint = "state the weights under `targets`"
+    if (model.mouth or project or poseset.mouth) == "declared":
+        who = "the character" if model.mouth else "the project" if project else "the pose set"
+        why, hint = f"{who} keeps declared targets", f"state `mouth: solved` here, or {hint}"
+    elif model.model is not None:
+        why = "the mouth of its model cannot be measured"
+        stated = [] if solved is None else stated
+    elif poseset.model is not None:
+        why = f"{poseset.name} keeps the targets that were made for its own model"
+    else:
+        why, hint = "the character has no model", f"name one under `model`, or {hint}"
+    if stated and not solved:
+        yield character.warning((stated[0],), "W322", f"no effect, because {why}", hint, key=True)
 
 
 def _rules(

@@ -32,7 +32,7 @@ from lipsync_lang.packs.library import FileRequest, KnownPhonemes, Library, adde
 from lipsync_lang.packs.models import MODELS, Language, PackModel
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.project import FILE as PROJECT_FILE
-from lipsync_lang.packs.project import PROJECT, check_paths, find_project
+from lipsync_lang.packs.project import PROJECT, check_paths, find_project, stated_mouth
 from lipsync_lang.packs.splicing import ABSENT, put
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
 from lipsync_lang.packs.yaml.source import Loc, YamlSource
@@ -202,6 +202,8 @@ class _Validation:
                 pack, poseset, phonemes, rigs=rigs, languages=self.languages, styles=styles
             )
         )
+        mouth = stated_mouth(self.library.project)
+        self.faults.update(checks.idle_mouths(pack, poseset, mouth))
         for file in pack.model.banks:
             path = beside(pack.path, file)
             if path is not None:
