@@ -106,6 +106,7 @@ def schedule_for(
 
     Extras that the line or its `outputs`, each with its formats, lack are refused together before.
     """
+    from lipsync_lang.performing.delivery import marked_text
     from lipsync_lang.sound.speech.needed_extras import engines_of, refuse_missing
 
     _refuse_idle(options)
@@ -119,8 +120,9 @@ def schedule_for(
     refuse_missing(needed)
     if options.schedule is not None:
         return _timed(options, performer)
+    text = options.text and marked_text(performer.compiled, options.text, options.line)
     if options.audio is None:
-        return performer.speaker.speak(options.text, engine=options.tts)
+        return performer.speaker.speak(text, engine=options.tts)
     from lipsync_lang.sound.speech.hearing.alignment import aligned
     from lipsync_lang.sound.speech.hearing.recognition import recognised
     from lipsync_lang.sound.speech.sound import read_audio
@@ -130,9 +132,9 @@ def schedule_for(
     if options.audio_channel is not None:
         audio = read_audio(audio, options.audio_channel)
     with listening(f"listening to {options.audio}"):
-        if options.text is None:
+        if text is None:
             return recognised(speaker, audio, recogniser=options.recogniser)
-        return aligned(speaker, audio, options.text, aligner=options.aligner)
+        return aligned(speaker, audio, text, aligner=options.aligner)
 
 
 def _refuse_idle(options: Namespace) -> None:

@@ -24,6 +24,7 @@ from lipsync_lang.pipeline.tables import RESOLUTION, Tables
 from lipsync_lang.resolver.compiled import CompiledPair
 from lipsync_lang.schedules.phoneme_changes import misfit, with_changes
 from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.text.phonology.emphasis import as_marked
 
 Points = Sequence[Sequence[float]]
 """Pairs of time and level, with non-decreasing times."""
@@ -252,6 +253,11 @@ def _added(
         if pose == low:
             added = np.minimum(added, weights[other] - weights[pose])
     return np.maximum(added, 0.0)
+
+
+def marked_text(compiled: CompiledPair, text: str, line: str | None) -> str:
+    """Return the text of a line with the marks of emphasis that the character states for it."""
+    return as_marked(text, compiled.line_deliveries.get(line or "", {}).get("text"))
 
 
 def corrected(

@@ -4,6 +4,7 @@ Conventions: times are seconds; boundary b is the start of phoneme b, and the la
 Numbers of boundaries and words count from the start of the shown part.
 """
 
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -13,6 +14,7 @@ from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.schedules.phoneme_changes import PhonemeChange, composed, spread, with_changes
 from lipsync_lang.schedules.schedule import MAX_EMPHASIS, SILENCE, Audio, Schedule, Word
+from lipsync_lang.text.phonology.emphasis import with_mark
 
 MIN_SPAN_SECONDS = 0.005
 """Minimum length of a phoneme beside a moved boundary."""
@@ -181,6 +183,28 @@ class SpokenLine:
         changed = list(self.whole.words)
         changed[words[word]] = replace(changed[words[word]], emphasis=level)
         self.retime(replace(self.whole, words=tuple(changed)))
+
+    def text_with(self, number: int, text: str) -> str:
+        """Return the text of the line with a mark on one of the words that are left out."""
+        lacking = self.whole.left_out
+        if not 0 <= number < len(lacking):
+            raise LipsyncError(f"there is no word {number}; the line leaves out {len(lacking)}")
+        marked = with_mark(text, [one.text for one in self.whole.words], lacking, number)
+        if marked is None:
+            what = f"'{lacking[number]}' is written otherwise in the text"
+            raise LipsyncError(f"{what}; put its word in asterisks there, and open the sound again")
+        return marked
+
+    def emphasise_as(self, other: Schedule) -> None:
+        """Take over the emphasis of a schedule that has some of the words."""
+        left = deque(other.words)
+        words = (
+            replace(one, emphasis=left.popleft().emphasis)
+            if left and left[0].text == one.text
+            else one
+            for one in self.whole.words
+        )
+        self.retime(replace(self.whole, words=tuple(words)))
 
     def hear(self, audio: Audio) -> None:
         """Add the sound."""

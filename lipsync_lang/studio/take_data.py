@@ -65,6 +65,7 @@ def take_data(
             "labels": list(schedule.labels),
             "words": [[word.text, word.first, word.stop] for word in schedule.words],
             "emphasis": [word.emphasis for word in schedule.words],
+            "left_out": list(schedule.left_out),
             "doubts": {
                 number: round(word.confidence, 2)
                 for number, word in enumerate(schedule.words)

@@ -6,6 +6,7 @@ of one user, one call at a time.
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from copy import copy
 from dataclasses import asdict, replace
 from itertools import chain, count
@@ -38,6 +39,7 @@ from lipsync_lang.studio.merging import Choices
 from lipsync_lang.studio.project_lines import ProjectLines
 from lipsync_lang.studio.spoken_line import MAX_PART_FRAMES, SpokenLine
 from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning
+from lipsync_lang.text.phonology.emphasis import as_marked
 
 if TYPE_CHECKING:
     from lipsync_lang.production.builds.planned_line import PlannedLine
@@ -82,7 +84,10 @@ class Workshop:
         self.language = self.character = ""
         self.settings = LineSettings()
         self.line: SpokenLine | None = None
-        self.text = ""
+        self.text = self.plain_text = ""
+        """The text of the line, with and without marks that the character states."""
+        self._aligned: dict[str, Schedule] = {}
+        """Schedules of the open line by its text with marks."""
         self.script = ProjectLines() if script is None else script
         self.script_line: PlannedLine | None = None
         """The line of the script that is open."""
@@ -330,6 +335,7 @@ class Workshop:
     def take_up(self, schedule: Schedule, text: str) -> None:
         """Open a line as the character keeps it; nothing of the line before stays."""
         self.line, self.text, self.script_line = SpokenLine(schedule), text, None
+        self.plain_text, self._aligned = text, {text: schedule}
         self.opened += 1
         self._rename()
 
@@ -358,6 +364,10 @@ class Workshop:
         compiled = self.performer.compiled
         self._followed = self.desk.revision
         stated = self._stated.get(self.name, {})
+        text = as_marked(self.plain_text, stated.get("text"))
+        if text != self.text and self.line.opened.confidence is not None:
+            with suppress(LipsyncError):  # as it is, the line can be performed
+                self._align(text)
         whole = corrected(stated, compiled, self.line.opened, self.name)
         changes = stated.get("phonemes", ())
         used = whole.labels != self.line.opened.labels
@@ -365,6 +375,22 @@ class Workshop:
         self.line.retime(whole)
         known = self.name if self.name in compiled.line_edits else None
         self.settings = LineSettings.of(stated, whole, self.settings.fps, known)
+
+    def say(self, number: int) -> None:
+        """Mark a word that the aligner left out as spoken, and align the line again."""
+        before = self.spoken
+        self._align(before.text_with(number, self.text))
+        self.spoken.emphasise_as(before.whole)
+
+    def _align(self, text: str) -> None:
+        """Align the line with a text of other marks, unless its times are known."""
+        from lipsync_lang.sound.speech.hearing.alignment import aligned
+
+        at, audio, known = self.spoken.at, self.spoken.opened.audio, self._aligned
+        if text not in known and audio is not None:
+            known[text] = aligned(self.performer.speaker, audio, text)
+        self.line, self.text = SpokenLine(replace(known[text], audio=audio)), text
+        self.line.at = at
 
     def keep(self, title: str, tab: str = "", merge: str = "") -> None:
         """Make the changes of the open line one step, which undo reverts and saving writes."""
@@ -378,7 +404,8 @@ class Workshop:
             for key, value in (before or {}).items()
             if value
         }
-        if all(old.get(key, ABSENT) == now[key] for key in CHANGES):
+        same = all(old.get(key, ABSENT) == now[key] for key in CHANGES)
+        if same and old.get("text", self.plain_text) == self.text:
             return
         path, text = self.editable("character")
         at = ("lines", self.name)
@@ -413,7 +440,7 @@ class Workshop:
         ]
         found = {
             "language": language,
-            "text": self.text if self.script_line is None else None,
+            "text": None if self.script_line and self.text == self.plain_text else self.text,
             **self.settings.stated(whole),
             "emphasis": emphasis,
             "phonemes": [[first, list(was), list(now)] for first, was, now in line.changes],
@@ -428,10 +455,11 @@ class Workshop:
         """
         performer = self.performer
         line = self.script.line(performer.compiled.language, name, performer.compiled.character)
-        schedule = self.script.schedule(line, performer.speaker, self.engine)
+        text = as_marked(line.text, self._stated.get(line.name, {}).get("text"))
+        schedule = self.script.schedule(replace(line, text=text), performer.speaker, self.engine)
         performer.common_phonemes(schedule)  # refuses labels of no notation
-        self.take_up(schedule, line.text or " ".join(word.text for word in schedule.words))
-        self.script_line = line
+        self.take_up(schedule, text or " ".join(word.text for word in schedule.words))
+        self.plain_text, self.script_line = line.text or self.text, line
         self._rename()
 
     def opened_pair(self) -> tuple[str, str]:
@@ -526,8 +554,10 @@ class Workshop:
             "lines": list(compiled.line_edits),
             "kept": [
                 line["text"]
-                for line in self._stated.values()
-                if "text" in line and line.get("language") == compiled.language
+                for name, line in self._stated.items()
+                if "text" in line
+                and not self.script.has(name)
+                and line.get("language") == compiled.language
             ],
             "text": self.text,
             "settings": asdict(self.settings),

@@ -16,7 +16,7 @@ from lipsync_lang import Schedule, Word
 from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.sound.speech.hearing.alignment import aligned
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
-from lipsync_lang.text.phonology.emphasis import emphasised, touched
+from lipsync_lang.text.phonology.emphasis import as_marked, emphasised, touched, with_mark
 
 LABELS = ("D", "AA", "B", "AA", "D", "AA", "P", "AA")
 TIMES = np.arange(9) * 0.15
@@ -90,6 +90,30 @@ def test_words_are_found_in_order():
     text = emphasised("no, *no* no")
     assert touched(["no", "no", "no"], *text) == [False, True, False]
     assert touched(["other", "no", "no"], *text) == [False, False, True]
+
+
+@given(
+    st.lists(st.sampled_from(["a", "an", "cat", "il", "dog"]), min_size=1, unique=True), st.data()
+)
+def test_the_marked_word_is_one_that_is_left_out(words, data):
+    lacking = data.draw(st.sets(st.sampled_from(range(len(words))), min_size=1))
+    left_out = [words[at] for at in sorted(lacking)]
+    others = [word for at, word in enumerate(words) if at not in lacking]
+    number = data.draw(st.sampled_from(range(len(left_out))))
+    text = " ".join(words)
+    marked = with_mark(text, others, left_out, number)
+    assert as_marked(text, marked) == marked
+    assert marked.split() == [f"*{one}*" if one == left_out[number] else one for one in words]
+
+
+def test_a_word_is_marked_in_a_text_without_spaces_and_beside_other_marks():
+    assert with_mark("私は*本当に*好き", ["私", "は", "好き"], ["本当に", "好き"], 1) is None
+    assert with_mark("私は本当に好き", ["私", "は", "好き"], ["本当に"], 0) == "私は*本当に*好き"
+    assert (
+        with_mark("the *big* dog ran", ["the", "big", "ran"], ["dog"], 0) == "the *big* *dog* ran"
+    )
+    assert with_mark("12 dogs", ["dogs"], ["twelve"], 0) is None
+    assert as_marked("the dog", "the *cat*") == as_marked("the dog", None) == "the dog"
 
 
 # In a schedule

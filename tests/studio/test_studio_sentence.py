@@ -450,3 +450,54 @@ def test_a_range_that_cannot_be_aligned_is_told(caller, workshop):
     workshop.line.hear(Audio(np.zeros(20_000, np.int16), 20_000))
     assert "no word" in caller.post("align/90", {"count": 1}).json["error"]
     assert "`count`" in caller.post("align/0", {"count": 0}).json["error"]
+
+
+BIG = replace(
+    LINE, labels=("M", "AA", "D", "B", "IY"), times=np.array([0, 0.1, 0.25, 0.3, 0.4, 0.6]),
+    words=(Word("ma", 0, 2), Word("d", 2, 3), Word("be", 3, 5)), confidence=0.9,
+    audio=Audio(np.zeros(12_000, np.int16), 20_000),
+)  # fmt: skip
+
+
+@pytest.fixture
+def aligner(monkeypatch):
+    """Replace the aligner by one that leaves out a word unless it is emphasised."""
+    from lipsync_lang.sound.speech.hearing import alignment
+
+    lacking = replace(LINE, left_out=("d",), confidence=0.9, audio=BIG.audio)
+    texts = []
+
+    def aligned(_, __, text):
+        texts.append(text)
+        return BIG if "*d*" in text else lacking
+
+    monkeypatch.setattr(alignment, "aligned", aligned)
+    return texts
+
+
+def test_a_word_that_is_left_out_is_shown_and_said(caller, workshop, aligner):
+    before = spoken(caller.post("sound", b"", {"text": "ma d be", "name": "a.wav"}))
+    assert before["left_out"] == ["d"]
+    caller.post("emphasis/1", {"level": 2})
+    found = caller.post("say/0", {"title": "Say 'd'"})
+    assert (spoken(found)["left_out"], spoken(found)["words"]) == ([], [[*one] for one in (
+        ("ma", 0, 2), ("d", 2, 3), ("be", 3, 5))])  # fmt: skip
+    assert spoken(found)["emphasis"] == [0, 0, 2], "the emphasis stays with its word"
+    state = unpacked(found)[0]["state"]
+    assert state["text"] == workshop.text == "ma *d* be"
+    assert state["undo"].startswith("Say 'd'")
+    caller.post("undo")
+    assert caller.api("state").json["text"] == "ma d be"
+    assert spoken(caller.api("line")) == before | {"emphasis": [0, 2]}
+    caller.post("redo")
+    caller.api("state")
+    assert spoken(caller.api("line"))["emphasis"] == [0, 0, 2]
+    assert aligner == ["ma d be", "ma *d* be"], "each text is aligned once"
+
+
+def test_a_word_that_cannot_be_said_is_told(caller, workshop, aligner):
+    caller.post("sound", b"", {"text": "ma d be", "name": "a.wav"})
+    assert "no word 1" in caller.post("say/1").json["error"]
+    workshop.text = "ma be"
+    assert "asterisks" in caller.post("say/0").json["error"]
+    assert aligner == ["ma d be"]

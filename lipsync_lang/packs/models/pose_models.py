@@ -484,7 +484,8 @@ class LineEdits(Delivery):
     language: Name | None = None
     """The language of the times and the emphasis, which other languages do not use."""
     text: Text | None = None
-    """The text, for a line that is in no script."""
+    """The text, for a line that is in no script. If it differs from that of the script in marks of
+    emphasis alone, it takes its place."""
     intensity: LevelNumber | None = None
     """The effect of loudness: 0 none, 1 as the pose set says, 2 double."""
     bends: dict[PoseName, BendKeys] = Field(default={})

@@ -23,6 +23,7 @@ from lipsync_lang.base.errors import LipsyncError, shortlist
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.base.files.targets import read_only, refuse_locked
 from lipsync_lang.base.files.temporary import temporary_name, this_process
+from lipsync_lang.performing.delivery import marked_text
 from lipsync_lang.performing.label_reader import label_remarks
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.production.builds.archives import split_archive
@@ -151,16 +152,24 @@ class LineMaker:
         self, lines: Sequence[PlannedLine], pairs: Mapping[str, PairNeeds]
     ) -> Iterator[ScheduleOrError]:
         """Yield the schedule of each line; characters with the same speech share it."""
+        compiled = [pairs[line.character].performer.compiled for line in lines]
+        marked = [
+            replace(line, text=marked_text(who, line.text, line.name))
+            for line, who in zip(lines, compiled, strict=True)
+        ]
+        keys = [(pairs[line.character].speech, line.name, line.text) for line in marked]
         # Reversed, so that the first of the lines with equal keys stays.
-        asked = {(pairs[line.character].speech, line.name): line for line in reversed(lines)}
-        known: dict[tuple[bytes, str], ScheduleOrError] = {}
-        for speech in dict.fromkeys(speech for speech, _ in asked):
-            own = [line for (one, _), line in asked.items() if one == speech]
+        asked = dict(zip(reversed(keys), reversed(marked), strict=True))
+        known: dict[tuple[bytes, str, str], ScheduleOrError] = {}
+        for speech in dict.fromkeys(speech for speech, *_ in asked):
+            own = [line for (one, *_), line in asked.items() if one == speech]
             pair = pairs[own[0].character]
             speaker, cache = pair.performer.speaker, self.cache(pair)
             timed = schedules(self.folder, own, speaker, self.settings.tts, cache)
-            known |= {(speech, line.name): one for line, one in zip(own, timed, strict=True)}
-        return (known[pairs[line.character].speech, line.name] for line in lines)
+            known |= {
+                (speech, line.name, line.text): one for line, one in zip(own, timed, strict=True)
+            }
+        return (known[key] for key in keys)
 
     def _performed(
         self, performer: Performer, timed: Sequence[tuple[PlannedLine, ScheduleOrError]]

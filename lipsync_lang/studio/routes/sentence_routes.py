@@ -90,6 +90,12 @@ def emphasis(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     return changed(workshop, request, "Emphasis of a word")
 
 
+def say(workshop: Workshop, request: StudioRequest) -> PackedResponse:
+    """Mark a word that is left out as spoken, and return the takes."""
+    workshop.say(_number(request))
+    return changed(workshop, request, "Say a word that was left out")
+
+
 def part(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Show another part of a long line, and return its sound and take."""
     workshop.spoken.show(_number(request), workshop.part_seconds)

@@ -42,6 +42,7 @@ ROUTES: dict[str, Route] = {
     "POST align/{name}": sentence_routes.align,
     "POST original": sentence_routes.original,
     "POST emphasis/{name}": sentence_routes.emphasis,
+    "POST say/{name}": sentence_routes.say,
     "POST part/{name}": sentence_routes.part,
     "GET timings/{name}": sentence_routes.written,
     "GET matrix": bigram_routes.matrix,

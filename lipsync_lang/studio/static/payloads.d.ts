@@ -28,6 +28,8 @@ export interface Spoken {
   labels: string[];
   words: Word[];
   emphasis: number[];
+  /** Words of the text that the aligner left out, in order. */
+  left_out: string[];
   /** Confidence of the words that the aligner doubts, by their number. */
   doubts: Record<number, number>;
 }

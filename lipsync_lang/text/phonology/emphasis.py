@@ -8,6 +8,7 @@ emphasise nothing, and are left out; between two letters or digits a space is le
 import re
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
+from operator import itemgetter
 from typing import NamedTuple
 
 EMPHASIS_MARK = re.compile(
@@ -88,3 +89,34 @@ def touched(words: Iterable[str], text: str, spans: Sequence[tuple[int, int]]) -
                 ahead.popleft()
         found.append(start >= 0 and bool(ahead) and ahead[0][0] < at)
     return found
+
+
+def as_marked(text: str, stated: str | None) -> str:
+    """Return what a line's statement writes for a text, if both differ in marks alone.
+
+    >>> as_marked("the big dog", "the *big* dog")
+    'the *big* dog'
+    """
+    same = stated is not None and emphasised(stated).text == emphasised(text).text
+    return stated if stated and same else text
+
+
+def with_mark(text: str, spoken: Sequence[str], left_out: Sequence[str], number: int) -> str | None:
+    """Emphasise one of the words that are left out of a text; None if it is not found.
+
+    `spoken` are the other words of the text, in order, and `left_out[number]` is the word to mark.
+
+    >>> with_mark("the dog saw the cat", ["the", "dog", "saw", "cat"], ["the"], 0)
+    'the dog saw *the* cat'
+    """
+    at, lacking, others = 0, deque(left_out[: number + 1]), deque(spoken)
+    while lacking:
+        # The next word of the text is the first of either, the longer one if both begin there.
+        rows = [(text.find(some[0], at), -len(some[0]), some) for some in (others, lacking) if some]
+        start, length, some = min(rows, key=itemgetter(0, 1))
+        some.popleft()
+        if start < 0 and some is lacking:
+            return None
+        at = max(at, start - length)
+    marked = f"{text[:start]}*{text[start:at]}*{text[at:]}"
+    return marked if len(emphasised(marked).spans) > len(emphasised(text).spans) else None

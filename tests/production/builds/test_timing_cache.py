@@ -129,7 +129,9 @@ def test_a_cache_that_is_off_keeps_nothing(cache, monkeypatch):
     prune_timings()
 
 
-def test_another_frame_rate_or_character_aligns_no_recording_again(tmp_path, monkeypatch, capsys):
+@pytest.fixture
+def recorded(tmp_path, monkeypatch, capsys):
+    """Make a game of two recordings; return it with the texts that are aligned."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("LIPSYNC_LANG_CACHE", str(tmp_path / ".cache"))
     asked = []
@@ -146,12 +148,31 @@ def test_another_frame_rate_or_character_aligns_no_recording_again(tmp_path, mon
         (tmp_path / f"vo/{name}.json").unlink()
         record(tmp_path / f"vo/{name}.wav")
     game.write("lipsync.yaml", PROJECT)
+    return game, asked
+
+
+def test_another_frame_rate_or_character_aligns_no_recording_again(recorded):
+    game, asked = recorded
     assert (game.build().built, len(asked)) == (["low", "map"], 2)
     game.write("lipsync.yaml", PROJECT.replace("facefx", "crab").replace("fps: 30", "fps: 60"))
     assert (game.build().built, len(asked)) == (["low", "map"], 2)
     takes = game.takes()
     assert (game.build("--force").built, len(asked)) == (["low", "map"], 4)
     assert game.takes() == takes
+
+
+def test_marks_of_a_character_are_aligned_where_they_are_of_the_same_text(recorded):
+    game, asked = recorded
+    head = "kind: character\nformat: 1\nposeset: facefx\n"
+    own = "name: ann\nlines: {low: {text: '*low*'}, map: {text: 'the *map*'}}\n"
+    game.write("characters/ann.yaml", f"{head}{own}")
+    assert game.build().built == sorted(asked) == ["low", "map"]
+    game.write("lipsync.yaml", PROJECT.replace("character: facefx", "character: ann"))
+    assert game.build().built == ["low", "map"]
+    assert asked[2:] == ["*low*"]
+    asked.clear()
+    game.write("characters/ann.yaml", f"{head}{own.replace('*low*', 'low')}")
+    assert (game.build().built, asked) == (["low"], [])
 
 
 def test_the_code_that_times_lines_is_where_it_is_sought():

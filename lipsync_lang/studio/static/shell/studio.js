@@ -350,6 +350,8 @@ export class Studio {
 
   /** Take a new state of the server over. @param {import("../payloads.js").State} state */
   stated(state) {
+    const text = /** @type {HTMLInputElement} */ (the("text"));
+    if (state.text !== this.state.text && text.value === this.state.text) text.value = state.text;
     this.state = state;
     if (!this.wishes.has("take")) this.settings = state.settings; // else they are newer here
     this.edits.show();

@@ -49,6 +49,7 @@ export class SentenceView {
       gesture: made("section", { class: "word", "aria-label": "Chosen gesture", hidden: "" }),
       phoneme: made("section", { class: "word", "aria-label": "Chosen phoneme", hidden: "" }),
       word: made("section", { class: "word", "aria-label": "Chosen word", hidden: "" }),
+      leftOut: made("section", { class: "word", "aria-label": "Words that are left out", hidden: "" }),
       line: made("div"),
       parts: made("span", { class: "row parts", hidden: "" }),
       figures: made("section", { id: "figures", "aria-labelledby": "judged" }),
@@ -175,6 +176,7 @@ export class SentenceView {
     const aside = made(
       "aside",
       { class: "why", "aria-label": "Values and reasons" },
+      this.at.leftOut,
       this.at.word,
       this.at.phoneme,
       this.at.gesture,
@@ -259,6 +261,7 @@ export class SentenceView {
     this.#legend();
     this.#levels();
     this.#parts();
+    this.#leftOut(take.data.spoken.left_out);
     this.at.canvas.setAttribute(
       "aria-label",
       `Timeline of: ${take.data.spoken.title}. ` +
@@ -269,6 +272,17 @@ export class SentenceView {
     this.later = setTimeout(() => this.#check(), CHECK_LATER);
     this.moved = true;
     studio.wake();
+  }
+
+  /** List the words that the aligner left out. @param {string[]} words */
+  #leftOut(words) {
+    const { leftOut } = this.at;
+    leftOut.hidden = !words.length;
+    leftOut.replaceChildren(made("h2", "Left out"), ...words.map((word, number) => {
+      const title = `Put '${word}' in asterisks, so that it is always spoken, and align the line again`;
+      const say = button("It is spoken", title, () => this.studio.perform(`say/${number}`, { title: `Say '${word}'` }));
+      return made("p", { class: "row" }, made("bdi", word), say);
+    }));
   }
 
   /** Forget what belongs to the line before. */
