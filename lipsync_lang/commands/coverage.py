@@ -263,6 +263,7 @@ def corpus_parts(options: Namespace) -> list[CorpusPart]:
         paths = tuple(path for path in paths if not (is_recording(path) and path.exists()))
         if not options.corpus:
             line_files(paths, lambda _: None, project=options.home)
+        paths = finding.own_files(language, paths)
         default = options.text_column and options.text_column.replace(WORD, word)
         names = finding.names[language]
         for column in stated.get(language, [default]):
@@ -309,6 +310,20 @@ class _Columns:
         self._finder = finder
         self.names = {one: finder.column_names(one, words.get(one)) for one in languages}
         self._heads: dict[tuple[Path, ...], dict[Path, list[str]]] = {}
+
+    def own_files(self, language: str, paths: tuple[Path, ...]) -> tuple[Path, ...]:
+        """Return the files of a language in place of folders that hold several languages."""
+        from lipsync_lang.packs.language_files import spoken_in
+        from lipsync_lang.text.lines.line_readers import line_files
+
+        found: list[Path] = []
+        for path in paths:
+            files = [file for file, _ in line_files(path, lambda _: None)] if path.is_dir() else []
+            own = self._finder.language_of(language) or language
+            spoken = spoken_in(files, path, {own: self.names[language]}, self._finder)
+            kept = [file for file in files if spoken[file]]
+            found += kept if len(kept) < len(files) else [path]
+        return tuple(found)
 
     def of(self, language: str, paths: tuple[Path, ...]) -> tuple[int, ...]:
         """Return the column in each table, or -1 where the likeliest text is taken."""

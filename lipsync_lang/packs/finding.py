@@ -8,6 +8,7 @@ others.
 import os
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from functools import cached_property
 from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
@@ -184,6 +185,10 @@ class Finder:
             first = self._answering(name)
         return () if first is None else (str(first),)
 
+    def language_of(self, name: str) -> str | None:
+        """Return the name of the language that answers to a name, tag or alias, or None."""
+        return next((Path(found).stem for found in self.lookup("language", name)), None)
+
     def unknown(self, name: str, *kinds: Kind) -> PackError:
         """Return the error for an unknown name; it suggests the nearest known name."""
         known = {found.name for kind in kinds for found in self.names(kind)}
@@ -217,15 +222,7 @@ class Finder:
 
         Order of preference: tag or alias, file name in another case, tag shortened at a hyphen.
         """
-        answers: dict[str, Path] = {}
-        names: dict[str, Path] = {}
-        for root in self.roots:
-            for own, path in self._list(root.path, "language").items():
-                # a shadowed language must not answer: the pack over it may have another tag
-                if self._first("language", own) == path:
-                    names.setdefault(folded_language(own), path)
-                    for answer in answers_of(path):
-                        answers.setdefault(answer, path)
+        names, answers = self._answers
         asked = folded_language(name)
         if asked in names and asked not in answers:
             return names[asked]
@@ -233,6 +230,20 @@ class Finder:
             # only tags get shorter; a name of several words would lose its last one
             asked = "" if " " in name else asked.rpartition("-")[0]
         return answers.get(asked)
+
+    @cached_property
+    def _answers(self) -> tuple[dict[str, Path], dict[str, Path]]:
+        """Languages by folded name, and by what else they answer to."""
+        names: dict[str, Path] = {}
+        answers: dict[str, Path] = {}
+        for root in self.roots:
+            for own, path in self._list(root.path, "language").items():
+                # a shadowed language must not answer: the pack over it may have another tag
+                if self._first("language", own) == path:
+                    names.setdefault(folded_language(own), path)
+                    for answer in answers_of(path):
+                        answers.setdefault(answer, path)
+        return names, answers
 
     def refuse_outside(self, path: Path) -> None:
         """Raise `PackError` for a file in a folder of packs that is a link out of all of them.

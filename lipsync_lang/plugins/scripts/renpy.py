@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from hashlib import md5
 from itertools import groupby, islice
 
+from lipsync_lang.base.errors import count
 from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
 
 STRING = r"""(?:\"(?:\\.|[^\"\\])*\"|'(?:\\.|[^'\\])*'|`(?:\\.|[^`\\])*`)"""
@@ -269,7 +270,7 @@ def _spelled(text: str, *, raw: bool) -> str:
 @reader("renpy", suffixes=[".rpy"])
 def read(source: LineFile) -> Iterator[Line]:
     """Ren'Py scripts: spoken lines, choices of menus, and translations."""
-    passed, names = -1, DialogueNames()
+    passed, left, names = -1, 0, DialogueNames()
     for number, statement in _statements(source):
         indent = len(statement) - len(statement.lstrip())
         text = statement.strip()
@@ -280,9 +281,14 @@ def read(source: LineFile) -> Iterator[Line]:
         if said is None:
             names.notice(text, indent)
             continue
+        # Ren'Py writes an empty text for what is to be translated; a script has none.
+        left += not said.what.strip("\"'` ")
         yield from _said(source, number, said, names)
         if said.block:
             names.notice(text, indent)
+    if left:
+        what = count(left, "empty or untranslated line", "empty or untranslated lines")
+        source.remark(f"{source.path}: left out {what}")
 
 
 def _said(

@@ -8,6 +8,7 @@ import json
 import os
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
+from functools import cache
 from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,6 +16,7 @@ from typing import Any, NamedTuple
 from lipsync_lang.base.errors import MAX_KNOWN, LipsyncError, shortlist
 from lipsync_lang.base.files.names import folded_name
 from lipsync_lang.packs.finding import Finder, Kind
+from lipsync_lang.packs.language_files import languages_of_files
 from lipsync_lang.production.builds.project_folder import from_template, starter
 from lipsync_lang.sound.speech.sound import AUDIO_SUFFIXES
 from lipsync_lang.text.lines.columns import (
@@ -80,6 +82,8 @@ class Cells(NamedTuple):
     """False for a script that names its lines itself, so that a project states no columns."""
     bilingual: bool = False
     """True if the script has translations beside their originals."""
+    languages: tuple[str | None, ...] = ()
+    """Languages that files of a folder are named after; None for files that are not."""
 
     def at(self, column: int) -> list[str]:
         """Return the cells of a column that are not empty; none for the column -1."""
@@ -144,7 +148,7 @@ def new_project(  # noqa: PLR0913 the parts of a draft
             what = "move both into it, or start in the folder of both"
             raise LipsyncError(f"{path}: is outside of {folder}, the project's folder; {what}")
     found, suffix = recordings_below(recordings, folder) if recordings else ([], "")
-    cells = read_cells(table, encoding, layout)
+    cells = read_cells(table, finder, encoding, layout)
     stated = -1
     if column is not None:
         stated = stated_column(LineFile(table, lambda _: None), cells.head, column)
@@ -214,7 +218,9 @@ def recordings_below(recordings: Path, folder: Path) -> tuple[list[FoundRecordin
     return [one for suffix, one in found if suffix.lower() == usual.lower()], usual
 
 
-def read_cells(table: Path, encoding: str | None = None, layout: TableLayout = AS_FOUND) -> Cells:
+def read_cells(
+    table: Path, finder: Finder, encoding: str | None = None, layout: TableLayout = AS_FOUND
+) -> Cells:
     """Read the first rows of a table, or lines of a script of another format, or of a folder."""
     found = [file for file, _ in line_files(table, lambda _: None)]
     if not found:
@@ -229,7 +235,10 @@ def read_cells(table: Path, encoding: str | None = None, layout: TableLayout = A
         names, speakers = [one.name for one in lines], [one.speaker for one in lines]
         both = any(one.original and spoken(one.original).text != one.text for one in lines)
         head = [NAME_COLUMNS[0], SPEAKER_COLUMNS[0]]
-        return Cells(head, [names, speakers], table=False, bilingual=both)
+        named = dict.fromkeys(languages_of_files(found, table, cache(finder.language_of)).values())
+        of_files = (*named,) if any(named) else ()
+        both = both and not of_files
+        return Cells(head, [names, speakers], table=False, bilingual=both, languages=of_files)
     head, rows = opened(source.at(file))
     taken = [row for _, row in islice(rows, MAX_TABLE_ROWS)]
     return Cells(head, [[cell(row, at) for row in taken] for at in range(len(head))])
@@ -308,7 +317,7 @@ def _folders(
     known = {folded_name(one) for one in speakers}
     for level in levels:
         names = Counter(level)
-        tongues = {name: _language(finder, name) for name in names}
+        tongues = {name: finder.language_of(name) for name in names}
         if all(tongues.values()) and not languages:
             pattern.append("{language}")
             # Only the first level that has nothing but languages: a folder `de` may also be a
@@ -322,20 +331,20 @@ def _folders(
 
 
 def _headed(cells: Cells, taken: Collection[int], finder: Finder) -> dict[str, str]:
-    """Return the languages that columns with texts are called like, with the words for them.
+    """Return the languages that files or columns with texts are called like, and their words.
 
     The word is the column's own name, such as "EN". If more is in the name, such as "English(en)",
     a build finds the column by the language's name, which is a better word in paths of files.
     """
-    found: dict[str, str] = {}
+    found = {own or starter().language: own or starter().language for own in cells.languages}
     for at, name in enumerate(cells.head):
         # The "id" of Indonesian is more often a second column of ids.
         texts = at not in taken and name.casefold() not in NAME_COLUMNS and cells.at(at)
         parts = language_parts(name) if texts else ()
-        own = next((own for part in parts if (own := _language(finder, part))), None)
+        own = next((own for part in parts if (own := finder.language_of(part))), None)
         if own is not None and own not in found:
             alone = language_column(cells.head, finder.column_names(own)) == at
-            found[own] = own if alone and not _language(finder, name) else name
+            found[own] = own if alone and not finder.language_of(name) else name
     return found
 
 
@@ -345,7 +354,7 @@ def _languages(
     """Return the languages with the words for them in folders or columns."""
     heads = _headed(cells, taken, finder)
     if asked is not None:
-        own = _language(finder, asked)
+        own = finder.language_of(asked)
         if own is None:
             raise finder.unknown(asked, "language")
         words = {own: folders.get(own, heads.get(own, own))}
@@ -387,12 +396,6 @@ def _side(table: Path, names: Sequence[str], encoding: str | None) -> str:
     lines = [*read_lines(table, encoding=encoding, remark=told.append, names=names)]
     side = "translations" if any(one.original for one in lines) else "originals"
     return "\n".join([f"{table}: the {side} are the text in {names[0]}", *told])
-
-
-def _language(finder: Finder, name: str) -> str | None:
-    """Return the language with the name of a folder or column."""
-    found = finder.lookup("language", name) if name else ()
-    return Path(found[0]).stem if found else None
 
 
 def _matches(

@@ -12,11 +12,12 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from lipsync_lang.base.errors import LipsyncError, did_you_mean, shortlist
+from lipsync_lang.base.errors import LipsyncError, count, did_you_mean, shortlist
 from lipsync_lang.base.files.names import fault_of_name, folded_name
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.packs.checking.project_checks import check_characters, check_languages
 from lipsync_lang.packs.finding import POSESET, Finder, Paths, folders_of
+from lipsync_lang.packs.language_files import spoken_in
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE
 from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces, stated_faces, unique
@@ -80,8 +81,7 @@ def languages_of(
         faults.state((), "P401", "no `languages`", "state `languages: [NAME, ...]`")
     found: dict[int, ScriptLanguage] = {}
     for own, word in stated.items():
-        path = next(map(Path, finder.lookup("language", own)), None)  # ENGINE:CODE has no pack
-        name = own if path is None else path.stem
+        name = finder.language_of(own) or own  # ENGINE:CODE has no pack
         names = finder.column_names(own, word)
         found[len(found)] = ScriptLanguage(name, word or own.replace(":", "-"), names)
     return found
@@ -509,7 +509,7 @@ def read_script(
     faults.raise_any()
     tell = remark or (lambda _: None)
     planner = ScriptPlanner(project, folder, languages=languages, cast=cast, outputs=outputs)
-    files = _files(project, folder, languages, faults, tell)
+    files = _files(project, folder, languages, finder=finder, faults=faults, remark=tell)
     planned = [
         line
         for file, row in read_apart(files, project.columns, faults, tell)
@@ -545,10 +545,12 @@ def _check_settings(project: Project, faults: ScriptFaults) -> None:
             faults.state(("reports", number), "P404", what, f"use one of {ends}")
 
 
-def _files(
+def _files(  # noqa: PLR0913 the parts of a script
     project: Project,
     folder: Path,
     languages: dict[int, ScriptLanguage],
+    *,
+    finder: Finder,
     faults: ScriptFaults,
     remark: PlanRemark,
 ) -> list[ScriptFile]:
@@ -558,10 +560,21 @@ def _files(
     for stated in project.lines:
         own = [{index: language} for index, language in languages.items()]
         for held in own if "{language}" in stated else [languages]:
-            path = folder / stated.replace("{language}", next(iter(held.values())).word)
+            path = Path(
+                shown(folder / stated.replace("{language}", next(iter(held.values())).word))
+            )
             try:
-                for file, among_others in line_files(Path(shown(path)), remark, project=folder):
-                    found.append(ScriptFile(file, held, project.encoding, among_others, cleaning))
+                listed = dict(line_files(path, remark, project=folder))
             except LipsyncError as error:
                 faults.add_error(error)
+                continue
+            spoken = spoken_in(listed, path, {o.name: o.answers for o in held.values()}, finder)
+            for file, among_others in listed.items():
+                its = {index: one for index, one in held.items() if one.name in spoken[file]}
+                if its:
+                    found.append(ScriptFile(file, its, project.encoding, among_others, cleaning))
+            left = [str(file) for file in listed if not spoken[file]]
+            if left:
+                many = count(len(left), "file")
+                remark(f"{many} in other languages left out: {shortlist(left, SHOWN_EXAMPLES)}")
     return found

@@ -1,5 +1,8 @@
 """Projects drafted from recordings and a table: ids by content, folders as placeholders."""
 
+from hashlib import md5
+from pathlib import Path
+
 import pytest
 from lanes import needs_plug_ins
 
@@ -199,6 +202,39 @@ def test_a_script_that_names_its_lines_makes_a_project_without_columns(folder, c
     assert "columns" not in text
     assert "Bo Li" in text
     assert cli("validate").code == 0
+
+
+GERMAN = """\
+translate german start_{digest}:
+    s "Hallo, wie geht es dir?"
+translate german strings:
+    old "Leave."
+    new ""
+"""
+
+
+@needs_plug_ins
+def test_a_folder_of_translations_is_a_language_of_its_own(folder, cli):
+    said = 's "Hello, how are you?"'
+    digest = md5(f"{said}\r\n".encode(), usedforsecurity=False).hexdigest()[:8]
+    (folder / "game/tl/german").mkdir(parents=True)
+    (folder / "game/script.rpy").write_text(f"label start:\n    {said}\n", "utf-8")
+    translated = folder / "game/tl/german/script.rpy"
+    translated.write_text(GERMAN.replace("{digest}", digest), "utf-8")
+    assert cli("new", "--from", "game").code == 0
+    assert "languages: [english, german]" in stated(folder)
+    ended = cli("build", "-q")
+    assert ended.code == 0, ended.err
+    takes = sorted(path.relative_to(folder / "takes") for path in folder.rglob("takes/*/*/*.csv"))
+    assert takes == [Path(name, f"facefx/start_{digest}.csv") for name in ("english", "german")]
+    counted = cli("coverage", "-l", "german")
+    assert counted.out.startswith("1 file, 1 line, 5 words")
+    assert "script.rpy: left out 1 empty or untranslated line" in counted.err
+    (folder / "lipsync.yaml").unlink()
+    ended = cli("new", "--from", "game", "-l", "german")
+    assert "languages: [german]" in stated(folder)
+    assert "1 line to make" in ended.err
+    assert "1 file in other languages left out: game/script.rpy" in cli("build").err
 
 
 XLIFF = """<xliff version="1.2"><file source-language="en" target-language="de-DE"><body>
