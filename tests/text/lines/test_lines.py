@@ -284,7 +284,7 @@ Anna: Hello there. #happy
 
 SAMPLES = {suffix: one for suffix, one in SAMPLES.items() if suffix in by_suffix()}
 
-REMARKED = {".po", ".xlf", ".archive"}
+REMARKED = {".archive", ".po", ".rpy", ".xlf"}
 """Example files with a part that is left out with a remark."""
 
 
