@@ -1,15 +1,20 @@
 """Judge of one input: only package errors, no warnings, and work within a budget.
 
 Work is counted in Python's own calls, and memory in bytes that Python and numpy ask for. Both are
-the same on every machine. A clock only says when the count of a long read is looked at.
+the same on every machine, and to count them takes five times as long as to read. So a file is first
+read without a count, while the system lends no more memory than the budget. If the read ends before
+any machine could use up the budgets, it kept them. Otherwise the file is read again, and counted.
 """
 
 import signal
+import sys
 import tracemalloc
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from cProfile import Profile
 from pathlib import Path
+from time import process_time
 from types import FrameType
 
 from lipsync_lang import LipsyncError
@@ -26,6 +31,12 @@ MOST_CHARS = 5_000
 HANG_SECONDS = 300
 """Time limit of an input; a safeguard, not a measurement."""
 
+CALL_SECONDS = 10e-9
+"""Less time than any machine takes for a call, or to fill a call's share of the memory."""
+
+FOR_WANT_OF_MEMORY = (MemoryError, ImportError, OSError)
+"""Errors of a read to which the system lends no more memory."""
+
 
 class Failure(BaseException):
     """A fault that the input caused; readers do not catch it."""
@@ -40,25 +51,87 @@ def judge(read: Callable[[Path], object], path: Path) -> str | None:
     path : the input
     """
     size = path.stat().st_size
-    work = _Work(CALLS + CALLS_PER_BYTE * size)
-    previous = signal.signal(signal.SIGALRM, work.look)
-    signal.setitimer(signal.ITIMER_REAL, 1, 1)
+    calls, memory = CALLS + CALLS_PER_BYTE * size, BYTES + BYTES_PER_BYTE * size
+    if sys.platform == "linux":
+        started = process_time()
+        with _lent(memory), _looked_at(_give_up):
+            told, error = _ended(read, path)
+        short = process_time() - started < calls * CALL_SECONDS
+        if (told or short) and not _is_doubtful(error):
+            return told
+    return _counted(read, path, calls, memory)
+
+
+def _counted(read: Callable[[Path], object], path: Path, calls: int, memory: int) -> str | None:
+    """Read a file and count; return the fault of the reader, or None."""
+    work = _Work(calls)
     tracemalloc.start()
     try:
-        with warnings.catch_warnings(), work.calls:
+        with _looked_at(work.look):
+            told, error = _ended(read, path, work.calls)
+        where = "at its error" if error else "at its end"
+        return told or work.fault(where) or _memory(memory)
+    finally:
+        tracemalloc.stop()
+
+
+def _ended(
+    read: Callable[[Path], object], path: Path, calls: AbstractContextManager[object] | None = None
+) -> tuple[str | None, BaseException | None]:
+    """Read a file; return the fault that ended the read, and the error, or None for each."""
+    try:
+        with warnings.catch_warnings(), calls or nullcontext():
             warnings.simplefilter("error")
             read(path)
-        return work.fault("at its end") or _memory(size)
     except LipsyncError as error:
-        return _message(str(error)) or work.fault("at its error") or _memory(size)
+        return _message(str(error)), error
     except Failure as failure:
-        return str(failure)
+        return str(failure), failure
     except Exception as error:  # noqa: BLE001 whatever escapes is the finding
-        return f"{_where(error)}: {type(error).__name__}: {str(error)[:200]}"
+        return f"{_where(error)}: {type(error).__name__}: {str(error)[:200]}", error
+    return None, None
+
+
+@contextmanager
+def _looked_at(look: Callable[[int, FrameType | None], None]) -> Iterator[None]:
+    """Call a function each second."""
+    previous = signal.signal(signal.SIGALRM, look)
+    signal.setitimer(signal.ITIMER_REAL, 1, 1)
+    try:
+        yield
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, previous)
-        tracemalloc.stop()
+
+
+@contextmanager
+def _lent(memory: int) -> Iterator[None]:
+    """Let the process ask the system for so many more bytes, touched or not."""
+    import resource  # not on Windows
+
+    pages = int(Path("/proc/self/statm").read_text("ascii").split()[0])
+    limits = resource.getrlimit(resource.RLIMIT_AS)
+    least = min(one for one in (pages * resource.getpagesize() + memory, *limits) if one >= 0)
+    resource.setrlimit(resource.RLIMIT_AS, (least, limits[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, limits)
+
+
+def _give_up(number: int, frame: FrameType | None) -> None:
+    """End a read that must be counted."""
+    del number, frame
+    raise Failure
+
+
+def _is_doubtful(error: BaseException | None) -> bool:
+    """Return whether a limit of the judge may have caused an error."""
+    while error is not None:
+        if isinstance(error, (Failure, *FOR_WANT_OF_MEMORY)):
+            return True
+        error = error.__context__
+    return False
 
 
 class _Work:
@@ -82,10 +155,10 @@ class _Work:
             raise Failure(f"{_line(frame)}: hangs")
 
 
-def _memory(size: int) -> str | None:
+def _memory(most: int) -> str | None:
     _, peak = tracemalloc.get_traced_memory()
-    if peak > BYTES + BYTES_PER_BYTE * size:
-        return f"too much memory: {peak >> 20} MB for {size} bytes"
+    if peak > most:
+        return f"too much memory: {peak >> 20} MB of {most >> 20} MB"
     return None
 
 

@@ -24,10 +24,10 @@ from lipsync_lang.animations.writers.glb import write_glb
 from lipsync_lang.authoring.language_draft import read_inventory
 from lipsync_lang.base.errors import PackError
 from lipsync_lang.faces.rigs.model import read_model
-from lipsync_lang.packs import finding
+from lipsync_lang.packs import finding, library
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.models import MODELS, Project
+from lipsync_lang.packs.models import MODELS, Project, validation
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.source import YamlSource
 from lipsync_lang.production.builds import takes
@@ -198,6 +198,11 @@ PLACES = {
 assert PLACES["character"] in TREE
 
 
+SCAN, VALIDATED = library.scan, validation.validated
+KEPT_SCAN, KEPT_VALIDATED = cache(SCAN), cache(VALIDATED)
+"""Readers that keep what they read; they serve the sound files beside the damaged one."""
+
+
 def _placed(kind: str, folder: Path, suffix: str) -> Path:
     del suffix
     if not (folder / PLACES[kind]).exists():
@@ -208,8 +213,21 @@ def _placed(kind: str, folder: Path, suffix: str) -> Path:
 
 def _pack(path: Path) -> None:
     root = next(one for one in path.parents if (one / "languages").is_dir())
+
+    def scan(file: Path, content: bytes) -> YamlSource:
+        return (SCAN if file.samefile(path) else KEPT_SCAN)(file, content)
+
+    def validated(source: YamlSource, **expected: object) -> object:
+        kept = VALIDATED if source.path.samefile(path) else KEPT_VALIDATED
+        return kept(source, **expected)
+
     # the tree stands alone: no packs of the current folder, and none of the program
-    with chdir(root), patch.object(finding, "built_in", lambda: root):
+    with (
+        chdir(root),
+        patch.object(finding, "built_in", lambda: root),
+        patch.object(library, "scan", scan),
+        patch.object(validation, "validated", validated),
+    ):
         for fault in validate(Library(project=None), [path]):
             assert fault.line >= 1
         for character in ("face", "anna"):

@@ -14,7 +14,7 @@ import pytest
 from lanes import full, swept
 from syntax_trees import modules, walked
 
-from fuzz.oracle import judge
+from fuzz.oracle import CALLS, CALLS_PER_BYTE, judge
 from fuzz.runner import count_for, findings, inputs, judged, warm
 from fuzz.targets import HERE, Target, targets
 from lipsync_lang import LipsyncError
@@ -179,6 +179,23 @@ def _takes(path: Path) -> None:
     bytes(200 * 2**20)
 
 
+def _takes_in_words(path: Path) -> None:
+    try:
+        _takes(path)
+    except MemoryError as error:
+        raise LipsyncError("a.csv: is too large") from error
+
+
+def _fills(path: Path) -> None:
+    del path
+    assert [bytearray(1_000) for _ in range(10**5)]
+
+
+def _works_in_haste(path: Path) -> None:
+    for _ in range(CALLS + CALLS_PER_BYTE * path.stat().st_size):
+        abs(1)
+
+
 class EndlessError(LipsyncError):
     def __str__(self) -> str:
         return "x" * 10**6
@@ -191,7 +208,10 @@ JUDGED = {
     "too many words": (_raises(EndlessError()), "a message of 1000000 characters"),
     "a warning": (_raises(UserWarning("doubtful")), "UserWarning"),
     "too much work": (_works, "too much work"),
+    "too much work in no time": (_works_in_haste, "too much work"),
     "too much memory": (_takes, "too much memory: 200 MB"),
+    "too much memory, in words": (_takes_in_words, "too much memory: 200 MB"),
+    "too much memory, in pieces": (_fills, "too much memory: "),
 }
 
 
