@@ -17,7 +17,7 @@ from lipsync_lang.packs.models.text_models import LanguageText
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.source import YamlSource
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
-from lipsync_lang.text.phonology.espeak.process import words_of
+from lipsync_lang.text.phonology.espeak.process import EspeakProcess, words_of
 from lipsync_lang.text.phonology.g2p import (
     G2P_ENGINES,
     RESPELLERS,
@@ -518,6 +518,23 @@ def test_a_language_without_latin_letters_hears_words_in_them_from_a_voice(langu
     assert not read.unread
     (letters,) = Speaker.of(language).transcribe(["CD"])
     assert not letters.unread
+
+
+@pytest.mark.parametrize("language", ["mandarin", "thai", "vietnamese"])
+def test_another_voice_starts_once_for_all_words_of_a_text(language, monkeypatch):
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
+    starts, transcribe = [], EspeakProcess.transcribe
+    monkeypatch.setattr(
+        EspeakProcess,
+        "transcribe",
+        lambda self, texts, voice: starts.extend(texts[:1]) or transcribe(self, texts, voice),
+    )
+    before = "" if language == "vietnamese" else "我" if language == "mandarin" else "ฉัน "
+    (said,) = Speaker.of(language).transcribe([f"{before}Photoshop Firefox Hamburg Facebook"])
+    assert len(starts) == 1
+    assert not said.unread
+    (alone,) = Speaker.of(language).transcribe([f"{before}Hamburg"])
+    assert [one.labels for one in said.words if one.text == "Hamburg"] == [alone.words[-1].labels]
 
 
 def test_a_sign_of_repetition_needs_an_expression_that_is_quick():

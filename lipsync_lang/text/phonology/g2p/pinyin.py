@@ -37,7 +37,6 @@ from lipsync_lang.text.phonology.g2p.rules import (
     ForeignReader,
     StatedReading,
     compiled_readings,
-    foreign_reader,
     stated_syllables,
 )
 from lipsync_lang.text.phonology.g2p.tokens import PAUSES
@@ -86,11 +85,12 @@ def engine(settings: Settings) -> G2PEngine:
     stated = [(_converter().convert(word), say) for word, say in settings.whole]
     own = (Rule(word, tuple(say.split())) for word, say in stated if TONED.fullmatch(say))
     readings = compiled_readings((*own, *settings.readings))
-    foreign, whole = foreign_reader(settings), frozenset(word for word, _ in stated)
+    foreign, whole = ForeignReader(settings), frozenset(word for word, _ in stated)
 
     def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
-        for text in texts:
-            parts = _text_parts(text)
+        cut = [[*_text_parts(text)] for text in texts]
+        foreign.ahead(one.plain for parts in cut for one in parts if one.kind == "foreign")
+        for parts in cut:
             yield tuple(said for piece in parts for said in _read(piece, foreign, readings, whole))
 
     return read

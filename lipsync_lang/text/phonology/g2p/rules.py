@@ -14,7 +14,7 @@ text, and their contexts fit around them.
 """
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from itertools import accumulate
 from typing import NamedTuple
@@ -31,7 +31,7 @@ from lipsync_lang.text.phonology.g2p.g2p_engines import (
     merged,
     respeller,
 )
-from lipsync_lang.text.phonology.g2p.tokens import plain, read_words
+from lipsync_lang.text.phonology.g2p.tokens import pieces, plain, read_words
 from lipsync_lang.text.phonology.labels import normalise
 
 _ABBREVIATION = re.compile("[^a-z]{,3}|[^AEIOUa-z]+")
@@ -39,8 +39,6 @@ _ABBREVIATION = re.compile("[^a-z]{,3}|[^AEIOUa-z]+")
 
 SLOW = "and those before it with the same first letter could take too long"
 QUICKER = "use fewer rules for the letter, or fewer repeats in their contexts"
-
-ForeignReader = Callable[[str], tuple[str, ...]]
 
 _LATIN_WORD = re.compile("[A-Za-zÀ-ɏ][A-Za-zÀ-ɏ'-]*")
 
@@ -121,9 +119,11 @@ def engine(settings: Settings) -> G2PEngine:
     rewriter = Rewriter(settings.rules, settings.labels)
     readings = Rewriter(settings.readings)
     respell = respeller(settings.respell) if settings.respell else None
-    foreign = foreign_reader(settings)
+    foreign = ForeignReader(settings)
 
     def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
+        if not (settings.readings or respell):
+            foreign.ahead(piece.text for text in texts for piece in pieces(text) if piece.text[1:])
         for text in texts:
             yield tuple(_read(text))
 
@@ -149,31 +149,48 @@ def engine(settings: Settings) -> G2PEngine:
     return read
 
 
-def foreign_reader(settings: Settings) -> ForeignReader:
-    """Return a function from a word in Latin letters to the labels of its sounds in another voice.
+class ForeignReader:
+    """Reader of words in Latin letters: the labels of their sounds in another voice.
 
-    They are none if there is no such voice, or if it cannot say the word.
+    A word has none if there is no such voice, or if it cannot say the word.
     """
-    rewriter = Rewriter(settings.foreign, settings.labels)
-    around = Surroundings.compiled(f"(?:{settings.native})$", "", "`native`")
 
-    def native(word: str) -> bool:
-        parts = re.split("[-']", plain(word)) if settings.native else [""]
-        return any(parts) and all(around.fit(part, 0, 0) for part in parts)
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        self._rewriter = Rewriter(settings.foreign, settings.labels)
+        self._native = Surroundings.compiled(f"(?:{settings.native})$", "", "`native`")
+        self._known: dict[str, tuple[str, ...]] = {}
 
-    @lru_cache(CACHED_WORDS)
-    def read(word: str) -> tuple[str, ...]:
-        if not settings.foreign or not _LATIN_WORD.fullmatch(word) or native(word):
-            return ()
-        voice = Settings(settings.language, settings.foreign_voice)
+    def __call__(self, word: str) -> tuple[str, ...]:
+        """Return the labels of a word."""
+        self.ahead([word])
+        return self._known[word]
+
+    def ahead(self, words: Iterable[str]) -> None:
+        """Read words together: to start the voice takes longer than to say hundreds of them."""
+        if len(self._known) > CACHED_WORDS:
+            self._known.clear()
+        unmet = [word for word in dict.fromkeys(words) if word not in self._known]
+        self._known |= dict.fromkeys(unmet, ())
+        self._say([word for word in unmet if self._is_foreign(word)])
+
+    def _is_foreign(self, word: str) -> bool:
+        if not self._settings.foreign or not _LATIN_WORD.fullmatch(word):
+            return False
+        parts = re.split("[-']", plain(word)) if self._settings.native else [""]
+        return not (any(parts) and all(self._native.fit(part, 0, 0) for part in parts))
+
+    def _say(self, words: Sequence[str]) -> None:
+        voice = Settings(self._settings.language, self._settings.foreign_voice)
         try:
-            (said,) = G2P_ENGINES.find("espeak", SpeechError)(voice)([word])
+            said = [*G2P_ENGINES.find("espeak", SpeechError)(voice)(words)] if words else []
         except SpeechError:
-            return ()
-        found = rewriter.read("".join(label for one in said for label in one.labels))
-        return () if found.unread else found.labels
-
-    return read
+            for word in words if len(words) > 1 else ():  # one of them may be at fault
+                self._say([word])
+            return
+        for word, parts in zip(words, said, strict=True):
+            found = self._rewriter.read("".join(label for one in parts for label in one.labels))
+            self._known[word] = () if found.unread else found.labels
 
 
 def too_slow(rules: Sequence[Rule]) -> Iterator[int]:

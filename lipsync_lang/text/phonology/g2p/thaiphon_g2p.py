@@ -13,7 +13,7 @@ from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.text.phonology.g2p.epitran import segments
 from lipsync_lang.text.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Settings, SpokenWord
-from lipsync_lang.text.phonology.g2p.rules import CACHED_WORDS, foreign_reader
+from lipsync_lang.text.phonology.g2p.rules import CACHED_WORDS, ForeignReader
 from lipsync_lang.text.phonology.g2p.tokens import TextPiece, pieces
 from lipsync_lang.text.phonology.labels import normalise
 
@@ -39,7 +39,7 @@ def engine(settings: Settings) -> G2PEngine:
             f"get them with: {install_line('thaiphon')}"
         ) from None
     known = frozenset(map(normalise, settings.labels))
-    foreign = foreign_reader(settings)
+    foreign = ForeignReader(settings)
 
     @lru_cache(CACHED_WORDS)
     def labels_of(word: str) -> tuple[str, ...]:
@@ -64,6 +64,7 @@ def engine(settings: Settings) -> G2PEngine:
             yield SpokenWord(piece.text, (), unread=piece.text if piece.kind == "symbol" else "")
 
     def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
+        foreign.ahead(piece.text for text in texts for piece in pieces(text))
         for text in texts:
             yield tuple(said for piece in pieces(text) for said in _read(piece))
 
