@@ -35,9 +35,10 @@ def bounds(raised: Iterable[Plateau], lowered: Iterable[Plateau], poses: int) ->
     """Return the minimum and maximum weight of each pose, infinite if free: (2, P, 1)."""
     out = np.full((2, poses, 1), np.inf)
     out[0] = -np.inf
-    for side, levels in zip(out, (raised, lowered), strict=True):
-        for pose, weight in levels:
-            side[pose] = weight
+    for pose, weight in raised:
+        out[0, pose] = weight
+    for pose, weight in lowered:
+        out[1, pose] = min(weight, out[1, pose, 0])
     return out
 
 

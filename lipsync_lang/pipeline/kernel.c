@@ -42,7 +42,7 @@ before any is used. There is no static state; the GIL is released while the stag
 typedef Py_ssize_t Size;
 typedef unsigned char Byte;
 
-#define INTERFACE 4         /* kernel.py: another number wherever calls or arguments change */
+#define INTERFACE 5         /* kernel.py: another number wherever calls or arguments change */
 #define RESOLUTION 128      /* tables.py */
 #define TOUCH 1e-7          /* warp.py */
 #define MARGIN 0.030        /* hold.py */
@@ -76,7 +76,7 @@ typedef struct {
 } Bank;
 
 enum { CROSSFADE, LINEAR, HOLD, BEFORE, CLIP_HELD, CLIP_SLOW, TOPPED, AGAIN, FLAGS };
-enum { POSES, PHONEMES, CONTACTS, EARLY, AHEAD, BINDING, PAIRS, RAMP, WIDE, SHARED, HALO, BLOCK, LEAD, SIZES };
+enum { POSES, PHONEMES, CONTACTS, EARLY, AHEAD, BINDING, PAIRS, RAMP, WIDE, SHARED, HALO, BLOCK, LEAD, CONTESTED, SIZES };
 enum { FPS, STEP, SILENCE_REACH, SOUND_REACH, ADDED_SILENCE, NUMBERS };
 
 typedef struct {
@@ -100,6 +100,7 @@ typedef struct {
     const Size *at_most;         /* (PAIRS, 2) */
     const double *wide;          /* (P, WIDE + 1) half kernels; 0 in the middle where there is none */
     const double *shared;        /* (P, SHARED + 1) */
+    const Size *contested;       /* (CONTESTED,) poses */
 } Plan;
 
 typedef struct {
@@ -446,32 +447,77 @@ INLINE void soften(const Plan *plan, const double *kernels, Size reach, Size wid
 
 /* ---------------------------------------------------------------- hold.py */
 
-/* `held_frames` and `hold`, over the phonemes near the frames */
-INLINE void hold(const Plan *plan, const Track *track, const Frames *frames, Size low, Size width, Scratch *s)
+/* The phonemes that may be held in some frames, from `*begin` to the returned one */
+INLINE Size near(const Plan *plan, const Track *track, const Frames *frames, Size low, Size width, Size *begin)
 {
-    const Size poses = plan->size[POSES], n = track->count;
+    const double fps = plan->number[FPS], reach = most(SHORTEST, 1 / fps) / 2;
+    *begin = phoneme_at(track, seconds(plan, frames, low) - reach - 2 / fps);
+    return phoneme_at(track, seconds(plan, frames, low + width) + reach + 2 / fps) + 1;
+}
+
+/* `held_frames` of one phoneme: the frames from `*one` to the returned one, counted from `low` */
+INLINE Size held(const Plan *plan, const Track *track, const Frames *frames, const Byte *demanding, Size at, Size low,
+                 Size width, Size *one)
+{
     const double fps = plan->number[FPS], reach = most(SHORTEST, 1 / fps) / 2;
     const double origin = frames->start + (double)frames->first / fps;
-    const Size begin = phoneme_at(track, seconds(plan, frames, low) - reach - 2 / fps);
-    const Size stop = phoneme_at(track, seconds(plan, frames, low + width) + reach + 2 / fps) + 1;
+    *one = width;
+    if (!demanding[track->ids[at]] || track->waived[at])
+        return 0;
+    const Size n = track->count, before = at ? at - 1 : n - 1, after = at + 1 < n ? at + 1 : at;
+    const int since = demanding[track->ids[before]] && !track->waived[before];
+    const int on = after != at && demanding[track->ids[after]] && !track->waived[after];
+    const double start = track->bounds[at], end = track->bounds[at + 1], middle = (start + end) / 2;
+    const double from = least(since ? start : start + MARGIN, middle - reach);
+    const double to = most(on ? end : end - MARGIN, middle + reach);
+    *one = most_size((Size)ceil((from - origin) * fps - 1e-6) - low, 0);
+    return least_size((Size)floor((to - origin) * fps + 1e-6) + 1 - low, width);
+}
+
+/* `hold`, over the phonemes near the frames */
+INLINE void hold(const Plan *plan, const Track *track, const Frames *frames, Size low, Size width, Scratch *s)
+{
+    const Size poses = plan->size[POSES];
+    Size begin, one;
+    const Size stop = near(plan, track, frames, low, width, &begin);
     for (Size c = 0; c < plan->size[CONTACTS]; c++) {
         const Byte *demanding = plan->demands + c * plan->size[PHONEMES];
         const double *floors = plan->levels + c * 2 * poses, *ceilings = floors + poses;
         for (Size at = begin; at < stop; at++) {
-            if (!demanding[track->ids[at]] || track->waived[at])
-                continue;
-            const Size before = at ? at - 1 : n - 1, after = at + 1 < n ? at + 1 : at;
-            const int since = demanding[track->ids[before]] && !track->waived[before];
-            const int on = after != at && demanding[track->ids[after]] && !track->waived[after];
-            const double start = track->bounds[at], end = track->bounds[at + 1], middle = (start + end) / 2;
-            const double from = least(since ? start : start + MARGIN, middle - reach);
-            const double to = most(on ? end : end - MARGIN, middle + reach);
-            const Size one = most_size((Size)ceil((from - origin) * fps - 1e-6) - low, 0);
-            const Size past = least_size((Size)floor((to - origin) * fps + 1e-6) + 1 - low, width);
+            const Size past = held(plan, track, frames, demanding, at, low, width, &one);
             for (Size p = 0; p < poses; p++) {
                 double *RESTRICT row = s->curves + p * s->stride;
                 for (Size t = one; t < past; t++)
                     row[t] = least(most(row[t], floors[p]), ceilings[p]);
+            }
+        }
+    }
+}
+
+/* `Performance._contest`; beyond `far` frames a slope is out of the bounds, and `limit` cuts it there */
+INLINE void contest(const Plan *plan, const Track *track, const Frames *frames, Size low, Size width, Scratch *s)
+{
+    const Size poses = plan->size[POSES];
+    const double step = plan->number[STEP];
+    Size begin, one;
+    const Size stop = near(plan, track, frames, low, width, &begin);
+    for (Size turn = 0; turn < plan->size[CONTACTS] * 2 * plan->size[CONTESTED]; turn++) {
+        const Size c = turn / (2 * plan->size[CONTESTED]), p = plan->contested[turn / 2 % plan->size[CONTESTED]];
+        const int raises = turn % 2;
+        const double level = plan->levels[(2 * c + !raises) * poses + p];
+        const double room = raises ? level : 1 - level;
+        double *RESTRICT row = s->curves + p * s->stride;
+        if (!(fabs(level) < LATEST))
+            continue;
+        const Size far = (Size)ceil(most(room, 0) / step);
+        for (Size at = begin; at < stop; at++) {
+            const Size past = held(plan, track, frames, plan->demands + c * plan->size[PHONEMES], at, low, width, &one);
+            if (one >= past)
+                continue;
+            const Size end = least_size(past + far, width);
+            for (Size t = most_size(one - far, 0); t < end; t++) {
+                const double away = step * (double)most_size(most_size(one - t, t - past + 1), 0);
+                row[t] = raises ? most(row[t], level - away) : least(row[t], level + away);
             }
         }
     }
@@ -517,8 +563,18 @@ INLINE void flip(double *RESTRICT row, Size width)
         row[t] = -row[t];
 }
 
+INLINE void clip(const Plan *plan, const double *tops, int below, Size width, Scratch *s)
+{
+    for (Size p = 0; p < plan->size[POSES]; p++) {
+        double *RESTRICT row = s->curves + p * s->stride;
+        const double top = tops ? tops[p] : 1;
+        for (Size t = 0; t < width; t++)
+            row[t] = least(below ? most(row[t], 0) : row[t], top);
+    }
+}
+
 /* `envelope`: an upper one is the lower one of the negative, negated */
-INLINE void limit(const Plan *plan, Size width, Scratch *s)
+INLINE void limit(const Plan *plan, const Track *track, const Frames *frames, Size low, Size width, Scratch *s)
 {
     const Size poses = plan->size[POSES];
     const double step = plan->number[STEP];
@@ -545,15 +601,13 @@ INLINE void limit(const Plan *plan, Size width, Scratch *s)
         default: lower_rows(rows, width, step, CHAINS); break;
         }
     }
-    for (Size p = 0; p < poses; p++) {
-        double *RESTRICT row = s->curves + p * s->stride;
-        const double top = plan->tops[p];
+    for (Size p = 0; p < poses; p++)
         if (plan->upper[p])
-            flip(row, width);
-        if (plan->flag[CLIP_SLOW])
-            for (Size t = 0; t < width; t++)
-                row[t] = least(most(row[t], 0), top);
-    }
+            flip(s->curves + p * s->stride, width);
+    if (plan->size[CONTESTED])
+        contest(plan, track, frames, low, width, s);
+    if (plan->flag[CLIP_SLOW])
+        clip(plan, plan->tops, 1, width, s);
 }
 
 /* `constrain` */
@@ -575,16 +629,6 @@ INLINE void constrain(const Plan *plan, Size width, Scratch *s)
         const double *RESTRICT other = s->curves + plan->at_most[2 * k + 1] * s->stride;
         for (Size t = 0; t < width; t++)
             row[t] = least(row[t], other[t]);
-    }
-}
-
-INLINE void clip(const Plan *plan, const double *tops, int below, Size width, Scratch *s)
-{
-    for (Size p = 0; p < plan->size[POSES]; p++) {
-        double *RESTRICT row = s->curves + p * s->stride;
-        const double top = tops ? tops[p] : 1;
-        for (Size t = 0; t < width; t++)
-            row[t] = least(below ? most(row[t], 0) : row[t], top);
     }
 }
 
@@ -613,11 +657,11 @@ static void run_block(const Bank *bank, const Plan *plan, const Track *track, co
     if (plan->flag[CLIP_HELD])
         clip(plan, NULL, 1, width, s);
     if (plan->flag[BEFORE]) {
-        limit(plan, width, s);
+        limit(plan, track, frames, low, width, s);
         constrain(plan, width, s);
     } else {
         constrain(plan, width, s);
-        limit(plan, width, s);
+        limit(plan, track, frames, low, width, s);
     }
     soften(plan, plan->shared, plan->size[SHARED], width, s);
     if (plan->flag[AGAIN])
@@ -771,8 +815,8 @@ static PyObject *make_plan(PyObject *module, PyObject *args)
     (void)module;
     if (!plan)
         return PyErr_NoMemory();
-    if (!PyArg_ParseTuple(args, "OOOOOOOOOOOOOOOOOO", &plan->empty, &a[0], &a[1], &a[2], &a[3], &a[4], &a[5], &a[6],
-                          &a[7], &a[8], &a[9], &a[10], &a[11], &a[12], &a[13], &a[14], &a[15], &a[16])) {
+    if (!PyArg_ParseTuple(args, "OOOOOOOOOOOOOOOOOOO", &plan->empty, &a[0], &a[1], &a[2], &a[3], &a[4], &a[5], &a[6],
+                          &a[7], &a[8], &a[9], &a[10], &a[11], &a[12], &a[13], &a[14], &a[15], &a[16], &a[17])) {
         plan->empty = NULL;
         goto fail;
     }
@@ -796,11 +840,13 @@ static PyObject *make_plan(PyObject *module, PyObject *args)
         !(plan->threshold = keep(v, a[13], sizeof(double), n[BINDING], "threshold")) ||
         !(plan->high = keep(v, a[14], 1, n[BINDING] * poses, "high")) ||
         !(plan->at_most = keep(v, a[15], sizeof(Size), 2 * n[PAIRS], "at_most")) ||
-        !(plan->wide = keep(v, a[16], sizeof(double), poses * (n[WIDE] + n[SHARED] + 2), "kernels")))
+        !(plan->wide = keep(v, a[16], sizeof(double), poses * (n[WIDE] + n[SHARED] + 2), "kernels")) ||
+        !(plan->contested = keep(v, a[17], sizeof(Size), n[CONTESTED], "contested")))
         goto fail;
     plan->shared = plan->wide + poses * (n[WIDE] + 1);
     if (!within(plan->early, n[EARLY], poses, "early") || !within(plan->low, n[BINDING], poses, "low") ||
-        !within(plan->at_most, 2 * n[PAIRS], poses, "at_most"))
+        !within(plan->at_most, 2 * n[PAIRS], poses, "at_most") ||
+        !within(plan->contested, n[CONTESTED], poses, "contested"))
         goto fail;
     PyObject *capsule = PyCapsule_New(plan, "lipsync_lang.plan", free_plan);
     if (capsule)

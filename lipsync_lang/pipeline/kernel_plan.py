@@ -141,6 +141,7 @@ def _plan(tables: Tables, motion: Motion, prepared: StageValues, fps: float) -> 
         high,
         _ints(tables.at_most),
         np.concatenate((wide.ravel(), shared.ravel())),
+        _ints(prepared.contested),
     )
 
 
@@ -176,6 +177,7 @@ def _sizes(
         "halo": halo,
         "block": block_of(halo),
         "lead": prepared.lead,
+        "contested": len(prepared.contested),
     }
 
 

@@ -242,19 +242,34 @@ class Performance:
         # slowed first, the constraints come out exact; the paper constrains first
         order = ("limit", "constrain") if self.motion.limit == "before" else ("constrain", "limit")
         for name in order:
-            curves = self._constrain(curves) if name == "constrain" else self._slowed(curves)
+            curves = self._constrain(curves) if name == "constrain" else self._slowed(curves, begin)
             yield Stage(name, curves)
         if prepared.shared:
             curves = soften(curves, prepared.shared)
             yield Stage("soften", curves if prepared.convex else self._constrain(curves))
 
-    def _slowed(self, curves: Floats) -> Floats:
+    def _slowed(self, curves: Floats, begin: int) -> Floats:
         prepared = self.prepared
         if self.motion.contacts == "free" or self.motion.limit == "after":
             # an upper envelope would break constraints
             return lower_envelope(curves, prepared.step)
         slow = envelope(curves, prepared.step, upper=self.tables.held)
+        self._contest(slow, begin)
         return np.clip(slow, 0, prepared.tops[:, None], out=slow) if prepared.longer else slow
+
+    def _contest(self, curves: Floats, begin: int) -> None:
+        """Bring contested poses back into their contacts, of which the last one wins.
+
+        An upper envelope keeps floors alone: it widens a high pose over a ceiling beside it.
+        """
+        step, some = self.prepared.step, self.prepared.contested
+        for (_, held), (least, most) in zip(self.held, self.prepared.levels, strict=True):
+            here = held[begin : begin + curves.shape[1]]
+            if some.size and here.any():
+                far = np.where(here, 0, len(here) * step)[None]
+                away = lower_envelope(far, step)
+                row = np.minimum(curves[some], most[some] + away)
+                curves[some] = np.maximum(row, least[some] - away)
 
     def _shaped(self, begin: int, stop: int) -> Iterator[Stage]:
         """Run the stages before the guarantees: the desired curves."""

@@ -79,6 +79,8 @@ class StageValues:
     """(R, N) True for phonemes that prevent their anticipation."""
     levels: tuple[Floats, ...]
     """(2, P, 1) minimum and maximum weight in each contact while it is held."""
+    contested: Ints
+    """(K,) poses that some contacts hold up, and others keep down."""
     longer: float
     """Maximum number of frames by which a plateau is extended, on each side."""
     tops: Floats
@@ -138,9 +140,10 @@ def _prepared(tables: Tables, motion: Motion, fps: float) -> StageValues:
     ones = np.ones(len(half))
     under = [keeping.levels(1 - c.ceiling, _unimplied(tables, c), ones) for c in contacts]
     lowered = tuple(
-        (*(Plateau(p, 1 - weight) for p, weight in levels), *_excluded(tables, raised, number))
-        for number, levels in enumerate(under)
+        (*(Plateau(p, 1 - weight) for p, weight in levels), *_excluded(tables, high))
+        for levels, high in zip(under, raised, strict=True)
     )
+    both = {p for levels in lowered for p, _ in levels if tables.held[p]}
     # what a level wants beyond the range of its pose lengthens the plateau by so many frames
     above = [weight - room[pose] for levels in raised for pose, weight in levels]
     below = [-weight for levels in lowered for _, weight in levels]
@@ -163,6 +166,7 @@ def _prepared(tables: Tables, motion: Motion, fps: float) -> StageValues:
         blocked=tables.blockers[early],
         opposed=np.ascontiguousarray(tables.opposed[:, early].T),
         levels=tuple(bounds(*sides, len(half)) for sides in zip(raised, lowered, strict=True)),
+        contested=np.array(sorted(both) if motion.limit == "before" else (), np.intp),
         longer=longer,
         tops=tops,
         topped=bool((tops < 1).any()),
@@ -225,22 +229,21 @@ def _unimplied(tables: Tables, contact: Contact) -> list[int]:
 
 
 def _exclusive(tables: Tables, cap: Cap) -> bool:
-    """Return True if two contact poses exclude each other: their floors pass the threshold."""
-    floors = tables.floors[[cap.low, cap.high]]
-    return bool(floors.all() and floors.sum() > cap.threshold + ROUNDING)
+    """Return True if a pose makes room for the floor of one that it outranks only while it is held.
 
-
-def _excluded(tables: Tables, raised: Sequence[Sequence[Plateau]], number: int) -> list[Plateau]:
-    """Return ceilings of poses that a contact keeps down for its own floors.
-
-    Only contacts that are held later, and so win where both are held, are kept down.
+    Two contact poses exclude each other if their floors pass the threshold.
     """
-    later = [pose for levels in raised[number + 1 :] for pose, _ in levels]
+    low, high = tables.floors[[cap.low, cap.high]]
+    return bool(low > 0 and (high == 0 or low + high > cap.threshold + ROUNDING))
+
+
+def _excluded(tables: Tables, raised: Sequence[Plateau]) -> list[Plateau]:
+    """Return ceilings of poses that a contact keeps down for its own floors."""
+    levels = dict(raised)
     return [
-        Plateau(cap.high, max(cap.threshold - weight, 0.0))
-        for pose, weight in raised[number]
+        Plateau(cap.high, cap.threshold - levels[cap.low])
         for cap in tables.caps
-        if cap.low == pose and cap.high in later and _exclusive(tables, cap)
+        if cap.low in levels and cap.high not in levels and _exclusive(tables, cap)
     ]
 
 

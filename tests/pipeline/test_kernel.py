@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lanes import full
-from strategies import RATES, any_lines, motions, real
+from strategies import RATES, any_lines, lines, motions, real
 
 from lipsync_lang.pipeline import kernel, kernel_plan
 from lipsync_lang.pipeline.motion import Motion
@@ -61,6 +61,12 @@ def assert_agreement(line, motion, fps):
 @given(any_lines(two_dials=True), SERVED, RATES)
 def test_the_kernel_agrees_with_numpy(line, motion, fps):
     assert kernel_plan.serves(motion)
+    assert_agreement(line, motion, fps)
+
+
+@needs_kernel
+@given(lines(loose=True), SERVED, RATES)
+def test_the_kernel_agrees_with_numpy_where_contacts_exclude_each_other(line, motion, fps):
     assert_agreement(line, motion, fps)
 
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from lanes import full, swept
-from strategies import RATES, Line, any_lines, lines, motions, random_curves, real
+from strategies import RATES, Line, any_lines, lines, motions, random_curves, real, tables
 
 from lipsync_lang import Schedule, resolve
 from lipsync_lang.pipeline import kernel, kernel_plan
@@ -217,6 +217,30 @@ def test_floors_are_reached_in_full_for_42_ms_or_a_frame(line, motion, fps):
             given = GIVEN if softened(line, motion) else 0
             assert (weights[held] >= contact.floor - given - EXACT).all()
             assert (weights[held] <= contact.ceiling + given + EXACT).all()
+
+
+@st.composite
+def lone_contacts(draw):
+    """A short phoneme with a contact, between sounds without one that hold other poses high."""
+    made = draw(tables(loose=True))
+    some = np.any([contact.phonemes for contact in made.contacts], axis=0)
+    assume(made.contacts and some.any() and not some.all())
+    made = made.with_curves(np.maximum(made.curves, draw(st.sampled_from([0, 0.8, 1]))))
+    made.curves[0] = 0
+    short, beside = (draw(st.sampled_from(np.flatnonzero(which))) for which in (some, ~some))
+    lengths = [0.2, draw(st.floats(0.005, 0.1)), 0.2]
+    return Line(made, np.array([beside, short, beside]), np.cumsum([0, *lengths]))
+
+
+@given(lone_contacts(), motions(contacts="hold", limit="before", hold=0), RATES)
+def test_a_contact_far_from_others_is_met_whatever_they_forbid(line, motion, fps):
+    performance, weights = weights_of(line, motion, fps)
+    near = np.abs(performance.frames.times() - line.times[1:3].mean()) <= max(0.021, 0.5 / fps)
+    given = EXACT + (GIVEN if softened(line, motion) else 0)
+    for contact in line.tables.contacts:
+        for _ in demanded(line, contact, performance.track):
+            assert (weights[near] >= contact.floor - given).all()
+            assert (weights[near] <= contact.ceiling + given).all()
 
 
 def dilate(mask, ahead, back):

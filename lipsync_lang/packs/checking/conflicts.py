@@ -135,18 +135,23 @@ def _floors(model: PoseSet) -> dict[str, tuple[float, str]]:
 
 
 def _outranked(poseset: Pack[PoseSet]) -> Iterator[Fault]:
-    """Check that no pose with a floor yields to a pose without one."""
-    model, floors = poseset.model, _floors(poseset.model)
+    """Check that no pose has a floor above its threshold with a pose that it yields to.
+
+    A pose that outranks a contact pose makes room for its floor, as far as the threshold lets it.
+    """
+    model = poseset.model
     # an unlisted pose may be the one that a misspelt name means, and would seem to outrank all
     misspelt = not set(model.priority) <= set(model.poses)
     ranked = [pose for pose in model.poses if pose in model.priority or not misspelt]
-    for pose, (_, name) in floors.items():
+    for pose, (floor, name) in _floors(model).items():
         loc = ("contacts", name, "floor", pose)
-        for other in ranked:
-            above = _rank(model, other) > _rank(model, pose) and other not in floors
-            if above and _threshold(model, pose, other)[0] < NO_THRESHOLD:
-                what = f"'{pose}' must yield to '{other}', so the contact may be invisible"
-                hint = f"put '{pose}' after '{other}' in `priority`"
+        for other in (one for one in ranked if _rank(model, one) > _rank(model, pose)):
+            threshold = _threshold(model, pose, other)[0]
+            if threshold < floor - SUM_TOLERANCE:
+                what = (
+                    f"'{pose}' yields to '{other}' above {threshold:g}, but its floor is {floor:g}"
+                )
+                hint = f"put '{pose}' after '{other}' in `priority`, or raise the threshold"
                 yield poseset.fault(loc, "P207", what, hint, key=True)
     for pair in model.constraints.pairs:
         if not isinstance(pair, AtMost):
@@ -188,14 +193,20 @@ def _together(poseset: Pack[PoseSet]) -> Iterator[Fault]:
 
 
 def _contacts(poseset: Pack[PoseSet]) -> Iterator[Fault]:
-    """Check that each contact has an effect, and that no other holds up what it keeps down."""
-    floors = _floors(poseset.model)
-    for name, contact in poseset.model.contacts.items():
-        for pose in contact.ceiling:
-            if pose in floors:
-                loc = ("contacts", name, "ceiling", pose)
-                what = f"'{pose}' gets a ceiling here, but contact '{floors[pose][1]}' holds it up"
-                yield poseset.fault(loc, "P209", what, "remove it from one of the two", key=True)
+    """Check that each contact has an effect, and that none holds up what another keeps down.
+
+    Contacts of different phonemes may do so, such as those of a hinge that opens and shuts.
+    """
+    contacts = poseset.model.contacts
+    for name, contact in contacts.items():
+        for pose, top in contact.ceiling.items():
+            for other, raising in contacts.items():
+                both = set(contact.phonemes) & set(raising.phonemes)
+                if both and raising.floor.get(pose, 0.0) > top:
+                    loc = ("contacts", name, "ceiling", pose)
+                    what = f"'{pose}' gets a ceiling here, but contact '{other}' holds it up"
+                    hint = f"remove it from one of the two; both have {', '.join(sorted(both))}"
+                    yield poseset.fault(loc, "P209", what, hint, key=True)
         if not any(contact.floor.values()) and all(top == 1 for top in contact.ceiling.values()):
             what = f"contact '{name}' has no effect: no floor above 0, no ceiling below 1"
             hint = "state a `floor` above 0 or a `ceiling` below 1, or remove the contact"
