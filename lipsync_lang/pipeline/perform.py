@@ -26,7 +26,7 @@ from lipsync_lang.pipeline.overlay import Overlay, lay_over
 from lipsync_lang.pipeline.prepare import StageValues, prepare
 from lipsync_lang.pipeline.smooth import chord, closing, closing_within
 from lipsync_lang.pipeline.soften import soften
-from lipsync_lang.pipeline.switch import FREE, NONE, REST, switch
+from lipsync_lang.pipeline.switch import FREE, NONE, switch
 from lipsync_lang.pipeline.tables import RESOLUTION, Tables
 from lipsync_lang.pipeline.track import Track
 from lipsync_lang.pipeline.warp import FramePlace, locate, positions, stitch, warp
@@ -232,7 +232,8 @@ class Performance:
             yield Stage("rest", curves)
         if prepared.topped:
             curves = np.minimum(curves, prepared.tops[:, None])
-        if self.motion.contacts == "hold":
+        # poses shown one at a time have their contacts already, and a level could show a second one
+        if self.motion.contacts == "hold" and not self.motion.hold:
             for (_, frames), (least, most) in zip(self.held, prepared.levels, strict=True):
                 curves = hold(curves, least, most, frames[begin:stop])
             # levels beyond the bounds serve a later speed limit alone
@@ -325,7 +326,7 @@ class Performance:
         if self.motion.contacts == "hold":
             for contact, (_, frames) in zip(self.tables.contacts, self.held, strict=True):
                 here = frames[begin:stop]
-                barred[np.ix_(contact.ceiling < REST, here)] = True
+                barred[np.ix_(contact.ceiling < 1, here)] = True
                 forced[here] = int(contact.floor.argmax()) if contact.raised else NONE
         return switch(curves, barred, forced, round(self.motion.hold * self.frames.fps))
 

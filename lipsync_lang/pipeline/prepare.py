@@ -143,6 +143,7 @@ def _prepared(tables: Tables, motion: Motion, fps: float) -> StageValues:
         (*(Plateau(p, 1 - weight) for p, weight in levels), *_excluded(tables, high))
         for levels, high in zip(under, raised, strict=True)
     )
+    enveloped = motion.limit == "before" and not motion.hold
     both = {p for levels in lowered for p, _ in levels if tables.held[p]}
     # what a level wants beyond the range of its pose lengthens the plateau by so many frames
     above = [weight - room[pose] for levels in raised for pose, weight in levels]
@@ -155,7 +156,8 @@ def _prepared(tables: Tables, motion: Motion, fps: float) -> StageValues:
     # within one frame there is no earlier frame to raise
     early = np.flatnonzero(frames > 1)
     left = falling(frames[early])
-    tops = _tops(tables, raised, room, soft=soft)
+    # a shown drawing is whole
+    tops = ones if motion.hold else _tops(tables, raised, room, soft=soft)
     return StageValues(
         step=step,
         wide=_blurs(extra, fps),
@@ -166,7 +168,7 @@ def _prepared(tables: Tables, motion: Motion, fps: float) -> StageValues:
         blocked=tables.blockers[early],
         opposed=np.ascontiguousarray(tables.opposed[:, early].T),
         levels=tuple(bounds(*sides, len(half)) for sides in zip(raised, lowered, strict=True)),
-        contested=np.array(sorted(both) if motion.limit == "before" else (), np.intp),
+        contested=np.array(sorted(both) if enveloped else (), np.intp),
         longer=longer,
         tops=tops,
         topped=bool((tops < 1).any()),
