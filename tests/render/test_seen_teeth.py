@@ -1,0 +1,96 @@
+"""Teeth as a viewer sees them, counted on drawn mouths: none alone in "oo", none in m, on the lip in f.
+
+Words are spoken by the German pack, which has all rounded vowels. A sample of a picture shows the
+material of the nearest triangle, so light and colours do not matter.
+"""
+
+from itertools import chain
+
+import numpy as np
+import pytest
+from ict_clone import write_clone
+from lanes import full
+
+import lipsync_lang as ll
+from lipsync_lang.plugins.heads.face_model import FaceModel, read_recipe
+from lipsync_lang.plugins.heads.made_head import HeadWish, make_head
+from lipsync_lang.render.model.camera import close_up
+from lipsync_lang.render.model.raster import MIN_AREA, Window, area, fill, shown
+from lipsync_lang.render.staging import staged, sweep
+
+SIDE = 320
+SOUND, PAUSE = 0.12, 0.3
+WORDS = tuple(
+    tuple(word.split())
+    for word in (
+        "k uː l", "b l uː", "l u p", "m yː d ə", "f ʏ n f", "m ʏ ts ə n", "oː f uː", "v yː s t",
+        "ʃ v ɪ m ə n", "m ɛ n", "z uː m", "b ɛ t",
+    )
+)  # fmt: skip
+INSIDE = ("teeth", "mouth", "gums", "tongue")
+
+
+def seen(head):
+    """Return the samples of each part of the mouth at the middle of each sound of the words.
+
+    The rows are (word, sound, samples by material).
+    """
+    performer = ll.resolve("german", head)
+    labels = ["_", *chain.from_iterable([*word, "_"] for word in WORDS)]
+    seconds = [PAUSE if label == "_" else SOUND for label in labels]
+    times = np.cumsum([0.0, *seconds])
+    schedule = ll.Schedule(tuple(labels), times, notation="ipa")
+    animation = performer.rigged(performer.perform(schedule, fps=60))
+    scene, camera = staged(animation), close_up(staged(sweep(animation)))
+    names = np.array([*(row["name"] for row in scene.document["materials"]), "", ""])
+    middles = dict(enumerate((times[1:] + times[:-1]) / 2))
+    words = chain.from_iterable([word] * len(word) + [None] for word in WORDS)
+    for number, word in enumerate(words, 1):
+        if word is not None:
+            flat, near = camera.see(scene.points(scene.sound + middles[number]), SIDE)
+            corners, depth = flat[scene.triangles], near[scene.triangles]
+            faces = np.flatnonzero((area(corners) < -MIN_AREA) & (depth > 0).all(axis=1))
+            keys = np.zeros(SIDE * SIDE, np.uint64)
+            fill(keys, Window(0, 0, SIDE, SIDE), corners[faces], depth[faces], faces)
+            triangles = shown(keys)
+            parts = names[scene.material[triangles[triangles >= 0]]]
+            count = {part: int((parts == part).sum()) for part in (*INSIDE, "lips")}
+            yield " ".join(word), labels[number], count
+
+
+def faults(head):
+    """Return what a viewer would refuse: (word, sound, cause) of each mouth."""
+    found = []
+    for word, sound, count in seen(head):
+        inside, lips = sum(count[part] for part in INSIDE), count["lips"]
+        if sound in {"uː", "u", "yː", "ʏ"} and count["teeth"] > 0.1 * inside:
+            found.append((word, sound, "teeth in a round mouth"))
+        if sound == "m" and inside > 0.002 * lips:
+            found.append((word, sound, "lips apart"))
+        if sound in {"f", "v"} and not count["teeth"] >= 0.95 * inside > 0.01 * lips:
+            found.append((word, sound, "teeth off the lip"))
+        if sound == "ɛ" and count["teeth"] < 0.1 * inside:
+            found.append((word, sound, "no teeth in a spread vowel"))
+    return found
+
+
+def test_the_shipped_head_shows_teeth_on_the_lip_and_none_in_round_or_shut_mouths():
+    assert faults("facefx") == []
+
+
+@full
+def test_a_made_head_does_so_too(tmp_path):
+    made = make_head(FaceModel(write_clone(tmp_path / "clone", 0), read_recipe("ict")), HeadWish())
+    path = tmp_path / "head.glb"
+    path.write_bytes(made.content)
+    assert faults(path) == []
+
+
+def test_a_round_mouth_that_shows_its_teeth_is_found(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "characters").mkdir()
+    stated = "kind: character\nformat: 1\nname: anna\nposeset: facefx\ntargets: {w: {ShCh: 0.6}}\n"
+    (tmp_path / "characters" / "anna.yaml").write_text(stated)
+    assert {(sound, cause) for _, sound, cause in faults("anna")} >= {
+        (sound, "teeth in a round mouth") for sound in ("uː", "u")
+    }
