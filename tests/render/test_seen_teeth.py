@@ -1,4 +1,4 @@
-"""Teeth as a viewer sees them, counted on drawn mouths: none alone in "oo", none in m, on the lip in f.
+"""Teeth as a viewer sees them, on drawn mouths: none alone in "oo", none in m, on the lip in f.
 
 Words are spoken by the German pack, which has all rounded vowels. A sample of a picture shows the
 material of the nearest triangle, so light and colours do not matter.
@@ -7,7 +7,6 @@ material of the nearest triangle, so light and colours do not matter.
 from itertools import chain
 
 import numpy as np
-import pytest
 from ict_clone import write_clone
 from lanes import full
 
@@ -27,16 +26,14 @@ WORDS = tuple(
         "ʃ v ɪ m ə n", "m ɛ n", "z uː m", "b ɛ t",
     )
 )  # fmt: skip
+SIBILANTS = tuple(tuple(word.split()) for word in ("tʃ ɪ n", "ʃ iː", "f ɪ ʃ"))
 INSIDE = ("teeth", "mouth", "gums", "tongue")
 
 
-def seen(head):
-    """Return the samples of each part of the mouth at the middle of each sound of the words.
-
-    The rows are (word, sound, samples by material).
-    """
+def seen(head, said=WORDS):
+    """Yield the word, the sound, and the samples of each part of the mouth in the middle of it."""
     performer = ll.resolve("german", head)
-    labels = ["_", *chain.from_iterable([*word, "_"] for word in WORDS)]
+    labels = ["_", *chain.from_iterable([*word, "_"] for word in said)]
     seconds = [PAUSE if label == "_" else SOUND for label in labels]
     times = np.cumsum([0.0, *seconds])
     schedule = ll.Schedule(tuple(labels), times, notation="ipa")
@@ -44,7 +41,7 @@ def seen(head):
     scene, camera = staged(animation), close_up(staged(sweep(animation)))
     names = np.array([*(row["name"] for row in scene.document["materials"]), "", ""])
     middles = dict(enumerate((times[1:] + times[:-1]) / 2))
-    words = chain.from_iterable([word] * len(word) + [None] for word in WORDS)
+    words = chain.from_iterable([word] * len(word) + [None] for word in said)
     for number, word in enumerate(words, 1):
         if word is not None:
             flat, near = camera.see(scene.points(scene.sound + middles[number]), SIDE)
@@ -76,6 +73,12 @@ def faults(head):
 
 def test_the_shipped_head_shows_teeth_on_the_lip_and_none_in_round_or_shut_mouths():
     assert faults("facefx") == []
+
+
+def test_the_teeth_of_the_shipped_head_meet_before_the_tongue_in_sibilants():
+    for word, sound, count in seen("facefx", SIBILANTS):
+        if sound in {"tʃ", "ʃ"}:
+            assert count["teeth"] > 0.8 * sum(count[part] for part in INSIDE), word
 
 
 @full
