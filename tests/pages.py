@@ -128,6 +128,10 @@ def readme_extras():
     return set(EXTRAS.search(text_of(ROOT / "README.md"))[1].split(","))
 
 
+INSTALLED = [page for page in DOING if page in LEARNED and not beyond(page, readme_extras())]
+"""Pages for which the README's installation suffices. The tests of the wheel follow them."""
+
+
 def follow(page, start, perform):
     """Follow the steps of a page in the current folder.
 

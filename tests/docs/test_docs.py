@@ -13,6 +13,7 @@ from pages import (
     DOING,
     EXTRAS,
     FENCE,
+    INSTALLED,
     LEARNED,
     PAGES,
     beyond,
@@ -152,8 +153,13 @@ def messages(tree):
 # What a reader does, in the order of the page
 
 
-@pytest.mark.parametrize("page", swept(DOING, quick=[ROOT / "README.md"]), ids=named)
+@pytest.mark.parametrize(
+    "page",
+    swept([page for page in DOING if page not in INSTALLED], quick=[ROOT / "README.md"]),
+    ids=named,
+)
 def test_what_a_page_does_can_be_done(page, tmp_path, monkeypatch):
+    """`tests/house/test_wheel.py` follows the other pages, with an installed wheel."""
     if module := missing(page):
         pytest.skip(f"{named(page)} needs {module}, which is an extra")
     monkeypatch.chdir(tmp_path)
