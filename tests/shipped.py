@@ -12,9 +12,12 @@ from lipsync_lang.packs.checking import pack_checks, validate
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import validation
 from lipsync_lang.resolver import cache as pair_cache
+from lipsync_lang.resolver import language_tables
 
 LIBRARY = Library(project=None)
 """Library of the built-in packs; tests share it and must not change it."""
+
+LIBRARY.extended = cache(LIBRARY.extended)  # languages are put together once
 
 LANGUAGES = sorted({found.name for found in LIBRARY.names("language")})
 POSESETS = sorted({found.name for found in LIBRARY.names("poseset")})
@@ -31,6 +34,9 @@ A look into the bytes of a pack takes no time; to read all packs would take two 
 
 KEPT_PAIRS = 16
 """Number of compiled pairs that a process keeps; each has some megabytes."""
+
+KEPT_FORMS = 100
+"""Number of languages whose written forms a process keeps."""
 
 
 @contextmanager
@@ -53,6 +59,7 @@ def read_once() -> Iterator[None]:
         patch.setattr(validation, "validated", validated_once)
         patch.setattr(pack_checks, "check_labels", _checked_once(pack_checks.check_labels))
         patch.setattr(validate, "check_claims", _checked_once(validate.check_claims))
+        patch.setattr(language_tables, "forms_of", _formed_once(language_tables.forms_of))
         _load_pairs_once(patch)
         yield
 
@@ -95,6 +102,22 @@ def _checked_once(check):
         return kept[pack.sources][1]
 
     return checked_once
+
+
+def _formed_once(forms_of):
+    """Return a function that keeps the written forms of a language, for its very models."""
+    kept = {}
+
+    def formed_once(language, common, notation):
+        key = id(language), id(common), notation
+        if key not in kept:
+            # the models stay with their forms, so that no other model has their identity
+            kept[key] = forms_of(language, common, notation), language, common
+            while len(kept) > KEPT_FORMS:
+                del kept[next(iter(kept))]
+        return kept[key][0]
+
+    return formed_once
 
 
 def _is_built_in(path):

@@ -218,6 +218,8 @@ def _tables(shelf: PairPacks, rows: PairRows, earlier: Sampled | None) -> Tables
 
 def _plain(data: Any) -> Any:
     """Return nested data with lists for tuples, as JSON returns it."""
+    if isinstance(data, (str, float)):  # most of it; to test for a mapping takes longer
+        return data
     if isinstance(data, Mapping):
         return {key: _plain(value) for key, value in data.items()}
     return [_plain(value) for value in data] if isinstance(data, (list, tuple)) else data
