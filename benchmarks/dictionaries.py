@@ -31,7 +31,7 @@ from lipsync_lang.packs.yaml.events import load_yaml
 from lipsync_lang.resolver.language_tables import notations_of
 from lipsync_lang.resolver.nearest_phonemes import among
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
-from lipsync_lang.text.phonology.g2p.epitran import segments
+from lipsync_lang.text.phonology.g2p.ipa_text import segments
 from lipsync_lang.text.phonology.labels import normalise
 
 CLOSED = "bmp"

@@ -11,7 +11,7 @@ from lanes import full
 from places import ROOT
 
 PLUG_INS = (
-    *("capture", "cluster", "festival", "heads", "htk", "mfa"),
+    *("capture", "cluster", "festival", "g2p", "heads", "htk", "mfa"),
     *("phonemizer", "programs", "scripts", "smartbody", "study", "timings", "whisper"),
 )
 

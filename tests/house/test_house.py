@@ -53,7 +53,7 @@ ROOMS = {
     "plugins": (
         {"capture", "cluster", "heads", "players", "study"},
         {"programs", "scripts", "timings"},
-        {"festival", "htk", "mfa", "phonemizer", "smartbody", "whisper"},
+        {"festival", "g2p", "htk", "mfa", "phonemizer", "smartbody", "whisper"},
     ),
 }
 """Floors of rooms within a wing, from the ground up; "" is the modules beside the rooms."""
@@ -280,9 +280,9 @@ EXEMPT = {
     ("schedules/readers/record_formats.py", "oculus"): "the notation that a format is in",
     ("schedules/readers/json.py", "HH"): "the example of the format's form",
     ("packs/finding.py", "vrm"): "the suffix of files in the format",
-    ("text/phonology/g2p/kana.py", "japanese"): "the name of the extra that installs it",
+    ("plugins/g2p/kana.py", "japanese"): "the name of the extra that installs it",
     ("text/phonology/g2p/pinyin.py", "mandarin"): "the name of the extra that installs it",
-    ("text/phonology/g2p/*.py", "kana"): "the name of a respeller, after the script it writes",
+    ("plugins/g2p/*.py", "kana"): "the name of a respeller, after the script it writes",
     ("text/phonology/g2p/pinyin.py", "roman"): "a kind of script, within the module",
     ("text/phonology/labels.py", "*"): "letters of the IPA that are typed for one another",
     ("plugins/festival/festival_engine.py", "arpabet"): "the notation that its phone sets are in",

@@ -12,7 +12,6 @@ from itertools import pairwise
 from types import MappingProxyType
 
 from lipsync_lang.text.phonology.espeak.process import label_of, stress_of
-from lipsync_lang.text.phonology.g2p.epitran import segments
 from lipsync_lang.text.phonology.g2p.g2p_engines import (
     G2P_ENGINES,
     G2PEngine,
@@ -20,6 +19,7 @@ from lipsync_lang.text.phonology.g2p.g2p_engines import (
     SpokenWord,
     respeller,
 )
+from lipsync_lang.text.phonology.g2p.ipa_text import segments
 from lipsync_lang.text.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.text.phonology.g2p.tokens import TextPiece, counts, pieces
 from lipsync_lang.text.phonology.labels import looser, normalise

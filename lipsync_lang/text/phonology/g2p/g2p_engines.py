@@ -116,11 +116,9 @@ G2P_ENGINES: Extensions[Make] = Extensions(
     modules={
         "espeak": f"{_HERE}.espeak_g2p",
         "pypinyin": f"{_HERE}.pinyin",
-        "epitran": f"{_HERE}.epitran",
-        "ipa": f"{_HERE}.epitran",
+        "ipa": f"{_HERE}.ipa_text",
         "lexicon": f"{_HERE}.lexicon",
         "rules": f"{_HERE}.rules",
-        "thaiphon": f"{_HERE}.thaiphon_g2p",
     },
 )
 """Functions that make an engine from its settings, by name; `G2P_ENGINES.register` adds one."""
@@ -128,11 +126,7 @@ G2P_ENGINES: Extensions[Make] = Extensions(
 WHISPER = "\u0325"
 """Mark in respelled text of a vowel without voice. Labels may hold it; no voice reads it."""
 
-RESPELLERS: Extensions[Respeller] = Extensions(
-    "respellers",
-    "respeller",
-    modules={name: f"{_HERE}.{name}" for name in ("kana", "niqqud", "tashkeel")},
-)
+RESPELLERS: Extensions[Respeller] = Extensions("respellers", "respeller")
 """Functions that respell text, by name."""
 
 

@@ -14,7 +14,7 @@ from importlib import import_module
 from itertools import pairwise
 from typing import Any
 
-from lipsync_lang.base.errors import SpeechError
+from lipsync_lang import SpeechError
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.text.phonology.g2p.g2p_engines import RESPELLERS, WHISPER
 

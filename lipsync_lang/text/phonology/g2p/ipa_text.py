@@ -1,56 +1,16 @@
-"""Text to IPA with Epitran, for languages with a regular spelling; and text that is IPA."""
+"""Text that is IPA, and IPA cut into segments."""
 
 import re
-from collections.abc import Collection, Iterator, Sequence
-from functools import lru_cache
-from pathlib import Path
+from collections.abc import Collection
 from unicodedata import category
 
-from lipsync_lang.base.errors import SpeechError, did_you_mean
-from lipsync_lang.base.extras import install_line
 from lipsync_lang.text.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Settings, SpokenWord
-from lipsync_lang.text.phonology.g2p.rules import CACHED_WORDS
-from lipsync_lang.text.phonology.g2p.tokens import plain, read_words
 from lipsync_lang.text.phonology.labels import LENGTH_MARKS, STRESS, TONE, normalise
 
 _STRESS_SIGN = re.compile(f"[{STRESS}]")
 _IPA_WORDS = re.compile(r"(?:[^\s.,;!?…]|\.(?=\w))+|[.,;!?…]+")
 _JOINED = {"Mn", "Lm", "Sk"}
 """Unicode categories of diacritics and modifier letters, which belong to the letter before."""
-
-
-@G2P_ENGINES.register("epitran")
-def engine(settings: Settings) -> G2PEngine:
-    """Read text with Epitran's code of the language."""
-    code = settings.code or ""
-    try:
-        import epitran
-        from epitran.exceptions import DatafileError
-    except ImportError:
-        raise SpeechError(
-            f"{settings.language} is read by Epitran, which is not installed; "
-            f"get it with: {install_line('epitran')}"
-        ) from None
-    try:
-        transliterate = epitran.Epitran(code).transliterate
-    except (DatafileError, OSError, KeyError, ValueError):
-        maps = Path(epitran.__file__).parent / "data" / "map"
-        hint = did_you_mean(code, {path.stem for path in maps.glob("*.csv")})
-        raise SpeechError(f"Epitran has no language '{code}'; {hint}") from None
-    known = frozenset(map(normalise, settings.labels))
-
-    @lru_cache(CACHED_WORDS)
-    def read_word(word: str) -> SpokenWord:
-        labels = segments(transliterate(plain(word)), known)
-        read = tuple(label for label in labels if not label.isdigit())
-        unread = "".join(label for label in labels if label.isdigit())
-        return SpokenWord(word, read, unread=unread)
-
-    def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
-        for text in texts:
-            yield read_words(text, read_word)
-
-    return read
 
 
 @G2P_ENGINES.register("ipa")

@@ -9,10 +9,10 @@ import re
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
-from lipsync_lang.base.errors import SpeechError
+from lipsync_lang import SpeechError
 from lipsync_lang.base.extras import install_line
-from lipsync_lang.text.phonology.g2p.epitran import segments
 from lipsync_lang.text.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Settings, SpokenWord
+from lipsync_lang.text.phonology.g2p.ipa_text import segments
 from lipsync_lang.text.phonology.g2p.rules import CACHED_WORDS, ForeignReader
 from lipsync_lang.text.phonology.g2p.tokens import TextPiece, pieces
 from lipsync_lang.text.phonology.labels import normalise

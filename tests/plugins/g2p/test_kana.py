@@ -7,8 +7,8 @@ import pytest
 from lanes import full
 
 from lipsync_lang import SpeechError
+from lipsync_lang.plugins.g2p.kana import MAX_READ_CHARS, dictionary, respell
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
-from lipsync_lang.text.phonology.g2p.kana import MAX_READ_CHARS, dictionary, respell
 
 needs_dictionary = pytest.mark.skipif(
     "not __import__('importlib.util').util.find_spec('pyopenjtalk')",
