@@ -12,6 +12,11 @@ import lipsync_lang as ll
 from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.sound.speech.hearing.alignment import aligned
 from lipsync_lang.sound.speech.hearing.sphinx import line_search
+from lipsync_lang.sound.speech.hearing.sphinx.features import (
+    FRAME_SECONDS,
+    HOP_SAMPLES,
+    voice_span,
+)
 from lipsync_lang.sound.speech.hearing.sphinx.line_search import UnwrittenSpeech
 from lipsync_lang.sound.speech.sound import SPEECH_RATE, resampled
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
@@ -125,3 +130,60 @@ def test_each_part_leaves_out_a_second_or_more(count, seed):
     for first, stop in line_search.sound_parts(features):
         assert 0 <= first < stop <= count
         assert stop - first <= count - line_search.MIN_BESIDE_FRAMES
+
+
+def with_noise(audio, first, seconds=5.0):
+    """Return a line with white noise of a tenth of its peak before or after it."""
+    said = audio.samples.astype(float)
+    noise = np.random.default_rng(0).uniform(-1, 1, round(seconds * audio.rate))
+    noise *= np.abs(said).max() / 10
+    whole = np.concatenate([noise, said] if first else [said, noise])
+    return ll.Audio(whole.astype(np.int16), audio.rate)
+
+
+@pytest.mark.parametrize(
+    ("language", "text"),
+    swept(
+        [
+            ("german", "Der Hund bellt laut im Garten."),
+            ("spanish", "El caballo blanco bebe agua."),
+            ("italian", "La bambina porta il pane alla mamma."),
+            ("english", "Four hours of steady work faced us."),
+        ],
+        quick=1,
+    ),
+)
+@pytest.mark.parametrize("first", [True, False])
+def test_white_noise_beside_a_line_moves_no_word(language, text, first):
+    known = ll.speak(text, language).audio
+    alone = ll.align(known, text, language, aligner="pocketsphinx")
+    found = ll.align(with_noise(known, first), text, language, aligner="pocketsphinx")
+    assert [word.text for word in found.words] == [word.text for word in alone.words]
+    moved = [word.start for word in found.words] - np.array([word.start for word in alone.words])
+    assert np.abs(moved - (5.0 if first else 0.0)).max() < 0.06
+    assert found.end == pytest.approx(known.seconds + 5.0)
+    assert "sound without text" in " ".join(found.remarks)
+
+
+def frames_of(samples):
+    """Return the number of frames of a sound; the last may be a part."""
+    return -(-len(samples) // HOP_SAMPLES)
+
+
+@given(st.floats(0, 3), st.floats(0, 3))
+def test_the_voice_between_noises_keeps_all_frames(line, before, after):
+    noisy = with_noise(with_noise(line, first=True, seconds=before), first=False, seconds=after)
+    first, stop = voice_span(noisy.samples.astype(float))
+    count = frames_of(noisy.samples)
+    assert first <= before / FRAME_SECONDS + 5
+    assert stop >= count - after / FRAME_SECONDS - 5
+    if max(before, after) < 0.9:
+        assert (first, stop) == (0, count)
+
+
+def test_a_line_that_ends_in_a_quiet_room_is_heard_as_a_whole(line):
+    samples = np.pad(line.samples.astype(float), SPEECH_RATE * 2)
+    samples += np.random.default_rng(0).normal(size=len(samples))
+    noise = np.random.default_rng(0).normal(size=SPEECH_RATE * 2)
+    for sound in (samples, noise, noise[:100]):
+        assert voice_span(sound) == (0, frames_of(sound))

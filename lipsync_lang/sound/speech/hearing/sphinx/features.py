@@ -58,6 +58,13 @@ With all of them, long pauses would make a voice far louder than those of the mo
 GAIN_FRAMES = 2
 """Frames on each side of a frame on whose mean power its gain depends."""
 
+STEADY_FRAMES, STEADY_DEVIATION = 50, 0.45
+"""Frames over which the logarithms of the bands hardly change in a steady noise, and their greatest
+mean standard deviation: white noise and hum have 0.36 at most, voices and music 0.6 or more."""
+
+MIN_NOISE_FRAMES = 100
+"""Fewest frames of a loud steady noise beside a voice."""
+
 
 class FrontEnd(ABC):
     """Extraction of a model's features from samples at `SPEECH_RATE`."""
@@ -115,9 +122,7 @@ class SphinxFrontEnd(FrontEnd):
         yield self._normalised(spectra)
         if NOTHING_ELSE_RATIO <= loud.mean() / max(noise.sum(), 1e-9) <= CLEAR_RATIO:
             # A Wiener filter, of the whole sound: `_BandNoise` follows one that is not over yet.
-            wide = np.pad(spectra, ((GAIN_FRAMES, GAIN_FRAMES), (0, 0)), mode="edge")
-            smooth = sliding_window_view(wide, 2 * GAIN_FRAMES + 1, axis=0).mean(axis=-1)
-            gain = np.maximum(1 - noise / np.maximum(smooth, 1e-9), LEAST_BAND_GAIN)
+            gain = np.maximum(1 - noise / np.maximum(_smoothed(spectra), 1e-9), LEAST_BAND_GAIN)
             yield self._normalised(spectra * gain**2)
 
     def _normalised(self, spectra: Floats) -> Floats:
@@ -129,6 +134,40 @@ class SphinxFrontEnd(FrontEnd):
 
 features = SphinxFrontEnd(25, 130.0, 6800.0, "dct", 22, quieted=True)
 """The front end of the model that hears every language."""
+
+
+def _smoothed(values: Floats) -> Floats:
+    """Return the moving mean of the values of frames, (T, V)."""
+    wide = np.pad(values, ((GAIN_FRAMES, GAIN_FRAMES), (0, 0)), mode="edge")
+    return sliding_window_view(wide, 2 * GAIN_FRAMES + 1, axis=0).mean(axis=-1)
+
+
+def voice_span(samples: Floats) -> tuple[int, int]:
+    """Return the first frame and the end of a sound without loud steady noise before and after it.
+
+    Such a noise is no voice, though words of a language that the model hears badly fit it well.
+    """
+    # The last frame that `last` fills up with zeros is no steady noise.
+    spectra = CepstralFrames(SphinxFrontEnd()).spectra(samples)
+    count, power = -(-len(samples) // HOP_SAMPLES), spectra.sum(axis=1)
+    if len(spectra) < MIN_NOISE_FRAMES:
+        return 0, count
+    logs = _smoothed(np.log(spectra + 1e-4))
+    sums = np.cumsum(np.pad([logs, logs**2], ((0, 0), (1, 0), (0, 0))), axis=1)
+    mean, square = (sums[:, STEADY_FRAMES:] - sums[:, :-STEADY_FRAMES]) / STEADY_FRAMES
+    calm = np.sqrt(np.maximum(square - mean**2, 0)).mean(axis=1) < STEADY_DEVIATION
+    steady = np.zeros(len(spectra), bool)
+    for first in np.flatnonzero(calm):
+        steady[first : first + STEADY_FRAMES] = True
+    changing = np.flatnonzero(~steady)
+    if not len(changing):
+        return 0, count
+    noise = steady & (power > PAUSE_RATIO * power.max())
+    before, after = (int(one) for one in (changing[0], changing[-1] + 1))
+    return (
+        before if noise[:before].sum() >= MIN_NOISE_FRAMES else 0,
+        after if noise[after:].sum() >= MIN_NOISE_FRAMES else count,
+    )
 
 
 def voice_mean(cepstra: Floats, power: Floats) -> Floats:

@@ -19,7 +19,11 @@ from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import (
     Listening,
     WordPosition,
 )
-from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS, HOP_SAMPLES
+from lipsync_lang.sound.speech.hearing.sphinx.features import (
+    FRAME_SECONDS,
+    HOP_SAMPLES,
+    voice_span,
+)
 from lipsync_lang.sound.speech.hearing.sphinx.forced import (
     SOUND_START,
     WINDOW_FRAMES,
@@ -102,6 +106,9 @@ CHANGE_DEPTH = 2
 
 PART_MARGIN_FRAMES = 30
 """Frames beyond a change that are searched with the part before or after it."""
+
+NOISE_MARGIN_FRAMES = 5
+"""Frames of a steady noise before and after the voice that are searched with it."""
 
 MIN_PART_PACE = 6
 """Fewest frames of a part for each phoneme of the line."""
@@ -353,10 +360,24 @@ class FoundLine(NamedTuple):
 
 
 def found_line(models: "Models", sound: Floats, words: Sequence[Pronunciations]) -> FoundLine:
-    """Search for words in a sound; if they hardly fit, in its parts between changes, too.
+    """Search for words in a sound, without a steady noise before and after the voice.
 
-    Speech that is not written may be music that holds a word back, as well.
+    If they hardly fit, they are searched in its parts between changes, too. Speech that is not
+    written may be music that holds a word back, as well.
     """
+    first, stop = voice_span(sound)
+    end = -(-len(sound) // HOP_SAMPLES)
+    first, stop = max(first - NOISE_MARGIN_FRAMES, 0), min(stop + NOISE_MARGIN_FRAMES, end)
+    if stop - first < end:
+        samples = sound[first * HOP_SAMPLES : stop * HOP_SAMPLES]
+        inside = _in_parts(models, samples, words)
+        if inside.heard:
+            return _placed(inside, (first, stop), end)
+    return _in_parts(models, sound, words)
+
+
+def _in_parts(models: "Models", sound: Floats, words: Sequence[Pronunciations]) -> FoundLine:
+    """Search for words in a sound, and in its parts if they hardly fit."""
     whole = _found(models, sound, words)
     sure = whole.sure >= DOUBTFUL and not whole.unwritten
     if sure or len(sound) > MAX_PARTED_FRAMES * HOP_SAMPLES:
@@ -366,6 +387,19 @@ def found_line(models: "Models", sound: Floats, words: Sequence[Pronunciations])
     parts = [one for one in sound_parts(features) if one[1] - one[0] >= shortest]
     alone = (_alone(models, sound, words, part, len(features)) for part in parts)
     return max([whole, *alone], key=lambda one: one.sure)
+
+
+def _placed(found: FoundLine, part: tuple[int, int], end: int) -> FoundLine:
+    """Return a line that is found in a part of a sound with the rest as other sound."""
+    first, stop = part
+    rest = [HeardPhoneme(OUTSIDE, OUTSIDE, *span, 0.0) for span in ((0, first), (stop, end))]
+    before, after = ([one] if one.stop > one.first else [] for one in rest)
+    heard = [one._replace(first=one.first + first, stop=one.stop + first) for one in found.heard]
+    unwritten = tuple(
+        one._replace(first=one.first + first, stop=one.stop + first) for one in found.unwritten
+    )
+    moved = found.moved and found.moved._replace(first=found.moved.first + first)
+    return FoundLine([*before, *heard, *after], found.sure, moved, unwritten)
 
 
 def _found(
@@ -438,15 +472,9 @@ def _alone(
     left_out = any(one.phone == OUTSIDE != one.word for one in found.heard)
     if left_out or found.sure < DOUBTFUL:
         return FoundLine([], 0.0)
-    rest = [HeardPhoneme(OUTSIDE, OUTSIDE, *span, 0.0) for span in ((0, first), (stop, end))]
-    before, after = ([one] if one.stop > one.first else [] for one in rest)
-    inside = [h._replace(first=h.first + first, stop=h.stop + first) for h in found.heard]
-    unwritten = (
-        one._replace(first=one.first + first, stop=one.stop + first) for one in found.unwritten
-    )
     sure = min(found.sure, 1 - 1e-9)
-    logit = log(sure / (1 - sure)) + PART_LOGIT
-    return FoundLine([*before, *inside, *after], logistic(logit), None, tuple(unwritten))
+    sure = logistic(log(sure / (1 - sure)) + PART_LOGIT)
+    return _placed(found._replace(sure=sure, moved=None), part, end)
 
 
 def laid(
