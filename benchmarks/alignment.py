@@ -24,6 +24,7 @@ from typing import Any
 
 import json_figures
 import numpy as np
+from closures import by_place, closures, print_places
 
 import lipsync_lang as ll
 from lipsync_lang.schedules import SILENCE, Schedule
@@ -103,7 +104,7 @@ def measured(
     name: str, pairs: list[tuple[str, Schedule]], speaker: Speaker, aligner: str | None
 ) -> dict[str, Any]:
     """Align sounds with their texts, and print how far off they are."""
-    off, sure, took, sound = [], [], 0.0, 0.0
+    off, sure, lips, took, sound = [], [], [], 0.0, 0.0
     for text, known in pairs:
         started = time.process_time()
         found = aligned(speaker, known.audio, text, aligner=aligner)
@@ -111,7 +112,10 @@ def measured(
         sound += known.audio.seconds
         sure.append(found.confidence or 0.0)
         off += errors(found, known, speaker)
-    return told(name, off, sound, took, sure)
+        lips += closures(found, known, speaker)
+    row = told(name, off, sound, took, sure) | {"places": by_place(lips)}
+    print_places(row["places"])
+    return row
 
 
 def labelled(wav: Path, lab: Path) -> Schedule:

@@ -8,21 +8,22 @@ timings, such as `NAME.TextGrid`. Its text is in `NAME.txt`; without one, the wo
 are the text. `--beside` measures the recordings with noise and with music under the voice, too.
 
 A boundary counts where the phonemes on both sides are the same in both (`alignment.py` says how
-they are paired). A closure is such a boundary before pressed lips. Errors are in milliseconds.
+they are paired). Closures are judged where they can be heard (`closures.py`), and counted if they
+are off by more than two frames of 60. Errors are in milliseconds.
 """
 
 import argparse
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
-from difflib import SequenceMatcher
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import json_figures
 import numpy as np
-from alignment import SNR, noisy, starts
-from hearing import FRAMES_OFF, music
+from alignment import SNR, errors, noisy
+from closures import FRAMES_OFF, by_place, closures, print_places
+from hearing import music
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.schedules import Schedule
@@ -36,8 +37,6 @@ from lipsync_lang.text.lines.timings import TIMING_SUFFIXES
 RATE = 16_000
 FAR_SECONDS = 0.1
 LABEL_SUFFIXES = {*TIMING_SUFFIXES} - {".txt"}
-CLOSURE = "bmp"
-"""The common phoneme of pressed lips."""
 
 
 class Labelled(NamedTuple):
@@ -69,21 +68,12 @@ def labelled(folder: Path, notation: str | None) -> Iterator[Labelled]:
             print(f"{sound}: has no text; write {script}", file=sys.stderr)
 
 
-def errors(found: Schedule, known: Schedule, speaker: Speaker) -> Iterator[tuple[bool, float]]:
-    """Yield for each paired boundary whether lips close there, and aligned less known seconds."""
-    (here, mine), (there, theirs) = starts(found, speaker), starts(known, speaker)
-    for a, b, size in SequenceMatcher(None, here, there, autojunk=False).get_matching_blocks():
-        for n in range(1, size):
-            one, other = mine[a + n], theirs[b + n]
-            if one is not None and other is not None:
-                yield here[a + n] == CLOSURE, one - other
-
-
 def measured(
     name: str, lines: list[Labelled], speaker: Speaker, aligner: str | None
 ) -> dict[str, Any]:
     """Align lines with their texts, and print a row of the table."""
-    off: list[tuple[bool, float]] = []
+    off: list[float] = []
+    lips: list[tuple[str, float]] = []
     doubted = failed = 0
     for text, known in lines:
         try:
@@ -94,26 +84,28 @@ def measured(
             continue
         doubted += (found.confidence or 1.0) < DOUBTFUL
         off += errors(found, known, speaker)
+        lips += closures(found, known, speaker)
     if not off:
         print(f"{name}: no boundary is paired; check the notation of the labels (`--notation`)")
         return {"name": name, "lines": len(lines), "failed": failed}
-    late = np.array([seconds for _, seconds in off])
-    lips = np.array([seconds for closes, seconds in off if closes])
+    late, pressed = np.array(off), np.array([seconds for _, seconds in lips])
     row = json_figures.boundary_errors(late) | {
         "name": name,
         "lines": len(lines),
         "closures": len(lips),
-        "closures_off": np.mean(np.abs(lips) > FRAMES_OFF) if len(lips) else None,
+        "closures_off": np.mean(np.abs(pressed) > FRAMES_OFF) if lips else None,
+        "places": by_place(lips),
         "far": np.mean(np.abs(late) > FAR_SECONDS),
         "doubted": doubted,
         "failed": failed,
     }
-    closures = "-" if row["closures_off"] is None else f"{row['closures_off']:.0%}"
+    share = "-" if row["closures_off"] is None else f"{row['closures_off']:.0%}"
     print(
         f"{name:16}{len(lines):6}{len(late):7}{row['median_ms']:8.1f}{row['p90_ms']:8.1f}"
-        f"{row['late_ms']:+7.1f}{closures:>10}{row['far']:9.1%}{doubted:9}{failed:8}",
+        f"{row['late_ms']:+7.1f}{share:>10}{row['far']:9.1%}{doubted:9}{failed:8}",
         flush=True,
     )
+    print_places(row["places"])
     return row
 
 

@@ -26,6 +26,7 @@ from typing import Any, NamedTuple
 import json_figures
 import numpy as np
 import warping
+from closures import FRAMES_OFF, by_place, closures, print_places
 
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
@@ -36,7 +37,6 @@ from lipsync_lang.sound.speech.speaking.speaker import Speaker
 RATE = 16_000
 LABIAL = tuple("pbm")
 """First signs of labels with pressed lips, in IPA and in the phone sets of Festival's voices."""
-FRAMES_OFF = 2 / 60
 EDGE = 0.3
 FESTIVAL = {
     "catalan": ("upc_ca_ona_hts", "latin-1", (
@@ -199,11 +199,14 @@ def boundaries(bench: Bench, data: Path) -> None:
     """Print how far boundaries are off."""
     print(f"{'boundaries, ms':28}{'number':>6}{'median':>8}{'90 %':>8}{'late':>8}{'>33 ms':>8}")
     late: list[float] = []
+    pressed: list[tuple[str, float]] = []
     for text, true in warping.german(data / "articulography"):
         found = bench.align(Recording("german", true.audio, text))
         late += [*warping.errors(found, true, bench.speakers["german"])]
+        pressed += closures(found, true, bench.speakers["german"])
     told("german, all, by hand", late)
-    bench.figures["german, all, by hand"] = json_figures.boundary_errors(late)
+    print_places(places := by_place(pressed))
+    bench.figures["german, all, by hand"] = json_figures.boundary_errors(late) | {"places": places}
     off: dict[str, list[float]] = defaultdict(list)
     lips: dict[str, list[float]] = defaultdict(list)
     for one in spoken():

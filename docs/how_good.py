@@ -38,6 +38,14 @@ METHODS = (
     ("dominance, utterance", "dominance over the utterance"),
 )
 MEASURES = (("aperture", "aperture"), ("protrusion", "protrusion"), ("tongue_tip", "tongue tip"))
+CLOSURES = {
+    "nasal": "the closure of a nasal",
+    "inside": "the closure of a stop inside speech",
+    "first": "the release of a stop after a pause",
+    "last": "the closure of a stop before a pause",
+}
+"""Kinds of lip closures, and the moments that judge them (`benchmarks/closures.py`)."""
+
 MOST_APART = 4
 """Number of phonemes that are named as farthest from film."""
 
@@ -426,6 +434,18 @@ class Page:
         words = "; ".join(
             f"{row[0]}: half within {row[2]} ms, 90 % within {row[4]}" for row in rows
         )
+        lips = [
+            [
+                title,
+                CLOSURES[place],
+                f"{one['closures']}",
+                f"{one['median_ms']:.0f}",
+                percent(one["off"]),
+            ]
+            for title, part in self.aligned()
+            if not title.startswith(("eSpeak", "the same"))
+            for place, one in part["places"].items()
+        ]
         return self.joined(
             "alignment",
             picture("alignment", f"Share of boundaries within each error. {words}"),
@@ -436,6 +456,19 @@ class Page:
             + " "
             + measured_by(self.measured["warping"])
             + " The labels of CMU ARCTIC were made by another aligner.",
+            table(
+                [
+                    "sound and text",
+                    "lip closures, judged by",
+                    "number",
+                    "median, ms",
+                    "off by over 33 ms",
+                ],
+                lips,
+            ),
+            "A stop is silent between its closure and its release. After a pause the release is judged, and elsewhere "
+            "the closure. A nasal sounds as long as the lips are closed. eSpeak NG is left out, since it states the release "
+            "as the start of a stop.",
             table(["text", "number", "called doubtful by a remark"], doubts),
         )
 
