@@ -61,7 +61,7 @@ def _docstrings(module: str) -> dict[str, dict[str, str]]:
     """Read the attribute docstrings of a module, by class and attribute."""
     try:
         tree = ast.parse(getsource(sys.modules[module]))
-    except OSError:
+    except OSError:  # a frozen program has no sources
         return {}
     return {
         node.name: {
@@ -209,7 +209,7 @@ TrigramKey = Annotated[str, AfterValidator(_trigram)]
 
 
 def _rising(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-    before = 0.0
+    before = 0.0  # two points of one time are a step, as in drawings that do not blend
     for index, (time, _) in enumerate(points):
         if time < before:
             what = "times fall from {before} to {time}; the times of a curve must not fall"
@@ -277,6 +277,7 @@ OrNames = Short(_names, forms=lambda full: [full, {"type": "array", "items": {"t
 
 def labels_as_sounds(value: Data) -> Data:
     """Expand the short form of sounds: `to` alone, as a label or a list of labels."""
+    # the reader of YAML gives tuples for lists; Python code gives lists
     if isinstance(value, (str, tuple, list)):
         return {"to": value}
     if not isinstance(value, (dict, Strict)):

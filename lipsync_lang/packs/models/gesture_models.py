@@ -140,11 +140,13 @@ class Gesture(Strict):
 
     def speed(self, pose: str) -> float:
         """Return the highest speed of a pose, in its amount per second."""
+        # between two points the curve is eased, and steepest in the middle
         slopes = (abs(b - a) / (end - begin) for (begin, a), (end, b) in pairwise(self.curve))
         return STEEPEST * abs(self.poses[pose]) * max(slopes)
 
     def amounts(self, pose: str) -> tuple[float, float]:
         """Return the least and the greatest amount of a pose."""
+        # the amount of a pose may be negative, and then the curve's top is its least
         found = sorted(self.poses[pose] * value for _, value in self.curve)
         return found[0], found[-1]
 

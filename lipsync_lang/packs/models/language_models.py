@@ -129,6 +129,7 @@ class Sounds(Strict):
     @property
     def value(self) -> Value:
         """The common phonemes, each with its share of the time."""
+        # nothing is divided for a mute sound, which has no phonemes
         shares = self.shares or [1 / len(self.to) for _ in self.to]
         return tuple(zip(self.to, shares, strict=True))
 

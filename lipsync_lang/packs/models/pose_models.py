@@ -214,6 +214,7 @@ def _target(value: Data) -> Data:
         return value
     full = {"weights": {pose: one for pose, one in value.items() if pose not in _STEP_FIELDS}}
     full |= {key: value[key] for key in _STEP_FIELDS if key in value}
+    # one number for all poses has a field of its own, so that the model has one type for each
     stated = full.get("dominance", {})
     # True is an int as well; the model refuses it
     if isinstance(stated, bool) or not isinstance(stated, (int, float)):
@@ -307,6 +308,7 @@ class PoseSet(PackModel):
     def mirrors(self, part: str) -> "dict[str, str]":
         """Return the mirrored poses of a part of names: by pose, its counterpart."""
         every = (*self.poses, *self.posture_poses, *self.gesture_poses)
+        # the last place alone: "left" may be within another word before it
         pairs = {one: self.mirrored[part].join(one.rsplit(part, 1)) for one in every if part in one}
         return {one: other for one, other in pairs.items() if other in every}
 
@@ -432,7 +434,7 @@ def _points(value: Data) -> Data:
 def _forwards(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
     """Refuse points whose words decrease."""
     for (before, _), (after, _) in pairwise(points):
-        if after < before:
+        if after < before:  # equal ones are a step
             what = "the words of these points are out of order: {after} after {before}"
             context = {"after": f"{after:g}", "before": f"{before:g}"}
             raise PydanticCustomError("P113", what, context)
@@ -577,7 +579,7 @@ class Character(PackModel, Delivery):
             return poseset
         poses = dict(poseset.poses)
         for name, seconds in self.anticipate.items():
-            if name in poses:
+            if name in poses:  # a check reports names that the set lacks
                 poses[name] = poses[name].model_copy(update={"anticipate": seconds})
         changed = {
             "poses": poses,

@@ -32,6 +32,7 @@ PLACEHOLDERS = ("id", "line", "language", "character", "speaker")
 
 
 def _outside(path: str) -> bool:
+    # by the rules of Windows on every system: a project is to be as safe there
     return ".." in re.split(r"[/\\]", path) or bool(PureWindowsPath(path).anchor)
 
 
@@ -81,6 +82,7 @@ def _word(text: str) -> str:
 
 def _rate(value: Data) -> Data:
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    # a rate is text, because 24000/1001 is exact and 23.976 is not
     return f"{value:g}" if number else value
 
 

@@ -85,6 +85,7 @@ def expanded(name: str) -> tuple[str, ...]:
     The last brace varies fastest: `a{1,2}{x,y}` gives a1x, a1y, a2x, a2y.
     """
     parts = _BRACE.split(name)
+    # a split by a pattern with a group gives the text between and the groups in turn
     fixed, choices = parts[::2], [inner.split(",") for inner in parts[1::2]]
     stray = any(mark in part for part in fixed for mark in "{}")
     if not choices or stray or prod(map(len, choices)) > MAX_EXPANDED_NAMES:
@@ -121,6 +122,7 @@ def stated(rig: RigPack) -> Iterator[NamedChannel]:
     for key, channel in rig.channels.items():
         names = expanded(key)
         limits = paired(channel.at_most, len(names)) if channel.at_most is not None else None
+        # a limit that does not fit stays as it is stated, for the check that reports it
         for name, limit in zip(names, limits or [()] * len(names), strict=True):
             fits = len(limit) == 1
             one = channel.model_copy(update={"at_most": limit[0]}) if fits else channel

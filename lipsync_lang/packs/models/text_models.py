@@ -117,6 +117,7 @@ class RulesLike(Strict):
         """Return the ending of words that is replaced, maybe empty, and the signs behind it."""
         word = re.sub(r"(\[[^\]]*\]| ?>)$", "", words)
         ends = (word[at:] for at in range(len(word)))
+        # from the whole word down, so that the longest ending wins
         return next((end for end in ends if end in self.endings), ""), words[len(word) :]
 
 
@@ -252,6 +253,7 @@ class LanguageText(Strict):
     def expansions(self) -> dict[str, str]:
         """The abbreviations with the ranks, which are titles."""
         known = self.abbreviations
+        # before a name with a capital the rank is said, otherwise what follows the bar
         return known | {key: f"{word}|{known.get(key, '')}" for key, word in self.ranks.items()}
 
     @property
@@ -260,6 +262,7 @@ class LanguageText(Strict):
         stated = self.number_rules.items()
         full = {name: rules for name, rules in stated if not isinstance(rules, RulesLike)}
         made = {
+            # rules like others that are `like` themselves have none: a check reports the chain
             name: rules.made_of(full.get(rules.like, {}))
             for name, rules in stated
             if isinstance(rules, RulesLike)

@@ -186,6 +186,7 @@ def _say(  # noqa: C901, PLR0911 one return for each family of errors
 
 
 def _literal(subject: str, value: Data, expected: str) -> tuple[str, str, str]:
+    # pydantic lists them as "'a', 'b' or 'c'"
     words = [w.strip("'") for w in expected.replace(" or ", ", ").split(", ")]
     what = f"{subject} must be one of {', '.join(words)}, got {_got(value)}"
     if len(words) == 1:
@@ -198,6 +199,7 @@ def _length(source: YamlSource, loc: Loc, report: PydanticError) -> tuple[str, s
     """Return the fault of a list or mapping with too few or too many items."""
     sort, value, context = report["type"], report["input"], report.get("ctx", {})
     if sort == "missing":
+        # pydantic points to the item that is missing, so the list is one step up
         need = f"more than {len(value)}"
         loc = loc[:-1]
     elif sort == "too_short":
@@ -268,6 +270,7 @@ def _fields(model: type[BaseModel], loc: Loc) -> dict[str, str]:
     """Return descriptions of the fields beside the last step of `loc`, by name in the file."""
     types: list[Data] = [model]
     for step in loc[:-1]:
+        # a step of pydantic's own leads nowhere, and the types stay
         types = [t for kind in types for t in _inside(kind, step)] or types
     found: dict[str, str] = {}
     for kind in _flat(types):

@@ -27,6 +27,7 @@ def elan_text(schedule: Schedule) -> str:
     """
     tiers = tiers_of(schedule)
     phones = tiers["phones"]
+    # the silence at the end keeps the length, which a document states nowhere else
     sounds = [one for one in phones[:-1] if one[0] != SILENCE] + phones[-1:]
     root = ET.Element("ANNOTATION_DOCUMENT", AUTHOR="", DATE=EAF_DATE, FORMAT="3.0", VERSION="3.0")
     ET.SubElement(root, "HEADER", MEDIA_FILE="", TIME_UNITS="milliseconds")

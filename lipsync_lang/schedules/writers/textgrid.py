@@ -33,6 +33,7 @@ def textgrid_text(schedule: Schedule) -> str:
             f"        intervals: size = {len(spans)}",
         ]  # fmt: skip
         for at, (label, begin, stop) in enumerate(spans, 1):
+            # Praat doubles a quote, and takes an empty text for silence
             text = "" if label == SILENCE else label.replace('"', '""')
             lines += [
                 f"        intervals [{at}]:", f"            xmin = {begin}",

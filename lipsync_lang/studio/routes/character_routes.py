@@ -243,6 +243,7 @@ def _sent_model(request: StudioRequest) -> Iterator[Path]:
         try:
             yield model
         except LipsyncError as error:
+            # the folder is the studio's own, and says nothing to the user
             raise LipsyncError(str(error).replace(f"{folder}/", "")) from None
 
 

@@ -88,6 +88,7 @@ def save(workshop: Workshop, request: StudioRequest) -> Json:
         try:
             file, *loc = json.loads(text)
             choices[known[file], tuple(loc)] = side
+        # the key of an entry is text from outside: no JSON, no list, or no known file
         except (ValueError, KeyError, TypeError):
             raise LipsyncError(f"there is no unsaved entry {text}") from None
     try:

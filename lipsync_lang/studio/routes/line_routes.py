@@ -115,7 +115,7 @@ def take(workshop: Workshop, request: StudioRequest) -> PackedResponse:
             workshop.follow()
         return changed(workshop, request, "Delivery of the line")
     except LipsyncError:
-        workshop.settings = before
+        workshop.settings = before  # a refused setting must not stay for the next request
         raise
 
 
@@ -272,6 +272,7 @@ def other_performer(workshop: Workshop, character: str) -> Performer:
     """Return the performer of the open language on another character, with the unsaved edits."""
     now = workshop.language, workshop.desk.revision
     known = workshop.others.get(character)
+    # compiled anew after every edit, which changes the number of the revision
     if known is None or known[:2] != now:
         compiled = compile_pair(workshop.library(), workshop.language, character)
         known = (*now, without_lines(workshop.performer_for(compiled)))

@@ -57,6 +57,7 @@ def tour(workshop: Workshop, request: StudioRequest) -> Json:
     library = workshop.library()
     path = _tour(library, request.name)
     try:
+        # a tour that is cut off here is no JSON any more, and is refused as such
         found: Json = json.loads(path.read_bytes()[:MAX_TOUR_BYTES] if path else b"")
     except (OSError, ValueError):
         raise LipsyncError(f"{request.name} has no valid {TOUR}") from None

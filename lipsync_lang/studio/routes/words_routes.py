@@ -50,6 +50,7 @@ def performed_curves(
     start, end = float(schedule.times[first]), float(schedule.times[stop])
     count = min(MOST_POINTS, max(LEAST_POINTS, POINTS_A_SOUND * (stop - first)))
     at = np.linspace(0, 1, count)
+    # bigrams, words and sounds are drawn in a time of their own, from 0 to 1
     seconds = start + at * (end - start)
     weights = animation.weights
     moving = {
