@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lanes import full
+from lanes import full, swept
 
 from lipsync_lang import SpeechError, resolve, speak
 from lipsync_lang.authoring.printing import transcript_table
@@ -325,3 +325,19 @@ def test_a_hebrew_voice_speaks_the_sounds_of_the_guessed_points():
     schedule = speak("בעולמות", "hebrew")
     assert "".join(label for label in schedule.labels if label != "_").endswith("ʔolamot")
     assert resolve("hebrew", "facefx").perform(schedule).weights.any()
+
+
+PAUSING = [(" - ", " "), (" -- ", " "), ("—", " "), (" (", ") "), (' "', '" '), (" '", "' "),
+           (" “", "” "), (" ", "; "), (" / ", " … "), ("-", " ")]  # fmt: skip
+"""Signs before and after a word."""
+
+
+@pytest.mark.parametrize("language", swept(["english", "german", "russian"]))
+def test_pauses_at_dashes_brackets_and_quotes_are_those_of_the_voice(language):
+    texts = [f"papa{left}mama{right}papa" for left, right in PAUSING]
+    said = [transcript.words for transcript in transcribe(texts, language)]
+    spoken = list(speak(texts, language))
+    for words, schedule in zip(said, spoken, strict=True):
+        read = [label for word in words for label in word.labels or ["_"]]
+        assert read == list(schedule.labels[1:-1])
+    assert sum("_" in schedule.labels[1:-1] for schedule in spoken) > len(texts) / 2

@@ -23,16 +23,20 @@ _NAME_MARKS = "ˈˌ0123456789"
 STRESS_LEVELS = {"ˈ": 1, "ˌ": 2}
 """Stress by mark: primary and secondary."""
 
+VOICE_PAUSE = "_"
+"""Label of a pause within a clause."""
+
 _STRESSED = re.compile("([ˈˌ])")
 
 
 def words_of(clause: str) -> list[tuple[str, ...]]:
     """Return the labels of each word of a clause, as events have them, after their stress marks.
 
-    `clause` has phonemes joined by ``_`` and words by spaces.
+    `clause` has phonemes joined by ``_`` and words by spaces. `VOICE_PAUSE` ends a word before a
+    dash, a bracket or a quotation mark at which the voice pauses.
 
-    >>> words_of("h_ə_lˈoʊ w_ɜː_l_d")
-    [('h', 'ə', 'l', 'ˈoʊ'), ('w', 'ɜː', 'l', 'd')]
+    >>> words_of("h_ə_lˈoʊ__ w_ɜː_l_d")
+    [('h', 'ə', 'l', 'ˈoʊ', '_'), ('w', 'ɜː', 'l', 'd')]
     """
     words = []
     for word in clause.split():
@@ -44,7 +48,9 @@ def words_of(clause: str) -> list[tuple[str, ...]]:
             elif label:
                 labels.append(name[0] + label if name[0] in STRESS_LEVELS else label)
         if labels:
-            words.append(tuple(labels))
+            words.append(
+                (*labels, VOICE_PAUSE) if word.rstrip(":").endswith("__") else tuple(labels)
+            )
     return words
 
 

@@ -11,7 +11,7 @@ from functools import lru_cache
 from itertools import pairwise
 from types import MappingProxyType
 
-from lipsync_lang.text.phonology.espeak.process import label_of, stress_of
+from lipsync_lang.text.phonology.espeak.process import VOICE_PAUSE, label_of, stress_of
 from lipsync_lang.text.phonology.g2p.g2p_engines import (
     G2P_ENGINES,
     G2PEngine,
@@ -153,18 +153,13 @@ def paired(
         spoken, written = [whole], [tokens]
     if len(written) != len(spoken):
         written = [tokens] if tokens else []
-        labels = tuple(label for word in whole for label in word)
-        if labels:
-            yield SpokenWord(_between(text, tokens), labels)
+        yield from _said(_between(text, tokens), whole)
         return
     for number, (words, part) in enumerate(zip(spoken, written, strict=True)):
         if number:
             yield SpokenWord(",", ())
         matched = _matched(text, part, words, lengths)
-        if matched is not None:
-            yield from matched
-        else:
-            yield SpokenWord(_between(text, part), tuple(label for word in words for label in word))
+        yield from _said(_between(text, part), words) if matched is None else matched
 
 
 def _matched(
@@ -188,10 +183,18 @@ def _matched(
     said: list[SpokenWord] = []
     at = 0
     for joined, number in counted:
-        labels = tuple(label for word in words[at : at + number] for label in word)
-        said.append(SpokenWord(_between(text, joined), labels))
+        said += _said(_between(text, joined), words[at : at + number])
         at += number
     return said
+
+
+def _said(text: str, words: LabelledWords) -> Iterator[SpokenWord]:
+    """Yield the labels of spoken words as one word, and the pause behind them."""
+    labels = [label for word in words for label in word]
+    if labels:
+        yield SpokenWord(text, tuple(label for label in labels if label != VOICE_PAUSE))
+    if labels[-1:] == [VOICE_PAUSE]:
+        yield SpokenWord(",", ())
 
 
 def _pairs(text: str) -> Iterator[str]:
