@@ -20,7 +20,7 @@ from textwrap import wrap
 from typing import NamedTuple
 
 from lipsync_lang.authoring.new_pack import PackDraft, PackWish, check_name, head, pack_bytes
-from lipsync_lang.base.errors import LipsyncError, did_you_mean
+from lipsync_lang.base.errors import LipsyncError, PackError, did_you_mean
 from lipsync_lang.base.files.reading import MIB_BYTES, read_input, utf8_text
 from lipsync_lang.packs.finding import FOLDERS, IPA
 from lipsync_lang.packs.library import Library
@@ -197,6 +197,8 @@ def draft(library: Library, wanted: LanguageWish, folder: Path = Path()) -> Lang
     """Draft a language pack, under `languages` of the project folder, or raise a LipsyncError."""
     path = folder / FOLDERS["language"] / f"{wanted.name}.yaml"
     check_name(wanted.name, path)
+    if wanted.name in {found.name for found in library.names("language")}:
+        raise PackError(f"there is a language '{wanted.name}' already; choose another name")
     _refuse(wanted)
     sounds, inventory = FoundSounds(), None
     if wanted.inventory is not None:

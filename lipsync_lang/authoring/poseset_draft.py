@@ -89,6 +89,8 @@ def draft(library: Library, wanted: PoseSetWish, folder: Path = Path()) -> PoseS
     """Draft a pose set, under `posesets` of the project folder, or raise a LipsyncError."""
     path = folder / FOLDERS["poseset"] / wanted.name / POSESET
     check_name(wanted.name, path)
+    if wanted.name in {found.name for found in library.names("poseset")}:
+        raise PackError(f"there is a pose set '{wanted.name}' already; choose another name")
     if not wanted.poses and wanted.model is None and wanted.like is None:
         what = "a new pose set needs a source: the names of its poses, --model or --like"
         raise LipsyncError(what)

@@ -154,10 +154,10 @@ def test_a_draft_of_a_voice_hears_its_numbers(folder, cli):
 def test_a_draft_of_a_code_reads_by_it(folder, cli):
     pytest.importorskip("epitran", reason="the epitran extra is not installed")
     (folder / "lines.txt").write_text("molo ngqangi\n", "utf-8")
-    ended = cli("languages", "new", "xhosa", "--epitran", "xho-Latn", "--text", "lines.txt")
+    ended = cli("languages", "new", "my-xhosa", "--epitran", "xho-Latn", "--text", "lines.txt")
     assert ended.code == 0, ended.err
-    assert Library().language("xhosa").model.tag == "xho"
-    assert cli("run", "molo", "-l", "xhosa", "-c", "facefx", "-o", "out.csv").code == 0
+    assert Library().language("my-xhosa").model.tag == "xho"
+    assert cli("run", "molo", "-l", "my-xhosa", "-c", "facefx", "-o", "out.csv").code == 0
 
 
 @pytest.mark.parametrize(
@@ -167,6 +167,7 @@ def test_a_draft_of_a_code_reads_by_it(folder, cli):
         (["../evil", "--inventory", "i.txt"], "cannot be a pack's name"),
         (["new"], "needs a source"),
         (["taken", "--inventory", "i.txt"], "already exists"),
+        (["english", "--inventory", "i.txt"], "there is a language 'english' already"),
         (["new", "--inventory", "none.txt"], "cannot be read"),
         (["new", "--epitran", "xho-Latn"], "give sample lines"),
         (["new", "--lexicon", "i.txt", "--profile", "i.txt"], "read the same text"),

@@ -216,6 +216,7 @@ def test_a_model_among_the_packs_stays_where_it_is(folder, cli):
         (["../evil", "zz"], "cannot be a pack's name"),
         (["thing"], "needs a source"),
         (["taken", "zz"], "already exists"),
+        (["facefx", "zz"], "there is a pose set 'facefx' already"),
         (["thing", " zz"], "cannot be the name of a pose"),
         (["thing", "zz", ""], "cannot be the name of a pose"),
         (["thing", "dominance"], "cannot be the name of a pose"),

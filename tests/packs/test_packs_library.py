@@ -143,6 +143,24 @@ def test_two_languages_of_one_tag_are_a_warning(tmp_path):
     assert [(Path(f.file).name, f.line, f.column) for f in faults] == [("zwei.yaml", 4, 6)]
 
 
+@full
+@pytest.mark.parametrize("kind", ["language", "poseset"])
+def test_a_pack_in_place_of_a_built_in_one_is_a_warning_unless_it_extends_it(kind, tmp_path):
+    shipped = Library(project=None)
+    name = next(found.name for found in shipped.names(kind))
+    file, text = {
+        "language": (f"languages/{name}.yaml", PARENT.replace("name: parent", f"name: {name}")),
+        "poseset": (
+            f"posesets/{name}/poseset.yaml",
+            POSESET.replace("name: face", f"name: {name}"),
+        ),
+    }[kind]
+    for extends, places in (("", [(file, 3)]), (f"extends: {name}\n", [])):
+        put(tmp_path, file, text.replace("title:", f"{extends}title:", 1))
+        found = [f for f in validate(Library([tmp_path], project=None)) if f.code == "W323"]
+        assert [(Path(f.file).relative_to(tmp_path).as_posix(), f.line) for f in found] == places
+
+
 def test_common_is_no_language(library):
     assert {f.name for f in library.names("language")} >= {"child", "parent"}
     assert "common" not in {f.name for f in library.names("language")}

@@ -5,6 +5,7 @@ These checks need the pack alone. `authoring.trial` runs the tests with their en
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from unicodedata import category, combining
 
 from lipsync_lang.base.errors import SpeechError, did_you_mean
 from lipsync_lang.packs import models
@@ -25,6 +26,7 @@ from lipsync_lang.text.phonology.labels import Notation, normalise
 def check_labels(language: Pack[models.Language]) -> Iterator[Fault]:
     """Check that labels are distinct, and that rules use known labels and can fire."""
     yield from _twice(language)
+    yield from _unmet(language)
     yield from _rules(language)
     model = language.model
     notation = notation_of(model, model.g2p_notation)
@@ -177,6 +179,40 @@ def _twice(language: Pack[models.Language]) -> Iterator[Fault]:
                 yield language.warning(loc, "W308", what, "keep one of the two", key=True)
 
 
+LIKE_LATIN = str.maketrans("асеһіјорѕхуԁԛԝ", "acehijopsxydqw")
+"""Cyrillic letters with the look of Latin ones."""
+
+
+def _unmet(language: Pack[models.Language]) -> Iterator[Fault]:
+    """Warn of labels that no text has, because of a character that cannot be seen in them."""
+    for name, table in language.model.notations.items():
+        latin = any("a" <= sign <= "z" for label in table for sign in label.casefold())
+        for label in table:
+            seen = normalise(label)
+            alike = seen.translate(LIKE_LATIN) if latin else seen
+            hidden = next((sign for sign in seen if category(sign) == "Cf"), "")
+            if alike != seen:
+                odd = next(sign for sign in seen if ord(sign) in LIKE_LATIN)
+                what = f"'{label}' has the Cyrillic letter U+{ord(odd):04X}"
+                hint = f"write '{alike}' with Latin letters"
+            elif hidden:
+                what = f"'{label}' has the invisible character U+{ord(hidden):04X}"
+                hint = f"write '{seen.replace(hidden, '')}'"
+            elif combining(seen[:1] or " "):
+                what, hint = f"'{label}' begins with a mark", "write the mark after its letter"
+            elif seen[:1] in ("ˈ", "ˌ") and seen[1:]:
+                what, hint = f"'{label}' begins with a mark of stress", f"write '{seen[1:]}'"
+            else:
+                continue
+            yield language.warning(("notations", name, label), "W308", what, hint, key=True)
+    for number, line in enumerate(language.source.text.splitlines(), 1):
+        if found := re.match(r"\s+(#[^\s:]?): \S", line):
+            what = f"this line is a comment, so '{found[1]}' is no label"
+            hint = f"write it in quotes: `'{found[1]}': ...`"
+            place = (shown(language.path), number, found.start(1) + 1)
+            yield Fault(*place, "W308", what, hint, "warning")
+
+
 def _rules(language: Pack[models.Language]) -> Iterator[Fault]:
     g2p = language.model.g2p
     if g2p is None:
@@ -199,6 +235,11 @@ def _rules(language: Pack[models.Language]) -> Iterator[Fault]:
         what = f"'{label}' is not in the notation '{language.model.g2p_notation}'"
         hint = did_you_mean(label, labels)
         yield language.fault(("g2p", field, number, "to"), "P218", what, hint)
+    for number, rule in enumerate(rules):
+        if signs := re.search(r"[\[\](){}|^$+*\\]", rule.spelling):
+            what = f"`from` is letters, and no pattern with '{signs[0]}'"
+            hint = "write the letters alone; `before` and `after` are patterns"
+            yield language.warning(("g2p", "rules", number, "from"), "W308", what, hint)
     for number in too_slow(rules):
         what = f"the rule for '{rules[number].spelling}' {SLOW}"
         yield language.fault(("g2p", "rules", number), "P118", what, QUICKER)

@@ -88,6 +88,7 @@ class _Validation:
             refuse_outside(found, found.parent)
             self.check_file(*_placed(found))
         self._tags()
+        self._replacing()
 
     def check_path(self, path: Path) -> None:
         """Check a file, or all packs below a folder."""
@@ -264,6 +265,18 @@ class _Validation:
                     hint = f"only '{other}' answers to it"
                     pack = Pack(model, (source,))
                     self.faults.add(pack.warning(loc, "W305", f"{what} '{other}'", hint))
+
+    def _replacing(self) -> None:
+        """Warn of packs that are found in place of built-in ones, unless they extend these."""
+        for kind in FOLDERS:
+            for found in self.library.names(kind):
+                model = None
+                if found.shadowed_by is not None and found.root.origin == "built-in":
+                    model, source, _ = self.library.inspect(found.shadowed_by, kind, found.name)
+                if model is not None and getattr(model, "extends", None) != found.name:
+                    what = f"this pack replaces the built-in '{found.name}'"
+                    hint = "choose another name, unless you mean to"
+                    self.faults.add(Pack(model, (source,)).warning(("name",), "W323", what, hint))
 
     def _warn(self, path: Path, code: str, what: str, hint: str) -> None:
         self.faults.add(Fault(shown(path), 1, 1, code, f"'{path.name}' {what}", hint, "warning"))

@@ -106,6 +106,14 @@ def _plain(text: str) -> str:
     return text
 
 
+def _pose(text: str) -> str:
+    """Refuse the name that every table of frames gives to its times."""
+    if text == "time_s":
+        context = {"text": text, "hint": "choose another name"}
+        raise PydanticCustomError("P106", "'{text}' is the column of times in tables", context)
+    return _plain(text)
+
+
 def _title(text: str) -> str:
     """Refuse curly quotes in place of straight ones, and words that YAML may read as booleans."""
     curly = text[:1] in {*"“”„‘"} and text[-1:] in {*"“”‘’"}
@@ -145,7 +153,7 @@ Sound = Annotated[str, Field(pattern=_SOUND_PATTERN)]
 Label = Annotated[str, Field(min_length=1, max_length=80)]
 """The label of a phoneme in some notation."""
 
-PoseName = Annotated[str, Field(min_length=1, max_length=120), AfterValidator(_plain)]
+PoseName = Annotated[str, Field(min_length=1, max_length=120), AfterValidator(_pose)]
 """The animator's name of a pose."""
 
 Unit = Annotated[float, Field(ge=0, le=1)]

@@ -40,7 +40,7 @@ SoundClass = Literal[
 ]
 """The manner of a sound, which gives its estimated duration."""
 
-TAG_PATTERN = r"^[A-Za-z0-9]+(-[A-Za-z0-9]+)*$"
+TAG_PATTERN = r"^[A-Za-z0-9]{1,8}(-[A-Za-z0-9]{1,8})*$"
 """Pattern of a language's tag."""
 
 ALIAS_PATTERN = r"^[^\x00-/:-@\[-`{-\x7f\s]+([ -][^\x00-/:-@\[-`{-\x7f\s]+)*$"

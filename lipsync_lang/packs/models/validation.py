@@ -161,7 +161,9 @@ def _say(  # noqa: C901, PLR0911 one return for each family of errors
     if sort in ("missing", "too_short", "too_long"):
         return _length(source, loc, report)
     if sort in _MUST:
-        return "P103", f"{subject} must be {_MUST[sort]}, got {_got(value)}", _mend(sort, value)
+        needed = bool(loc) and loc[-1] in _fields(model, loc, required=True)
+        what = f"{subject} must be {_MUST[sort]}, got {_got(value)}"
+        return "P103", what, _mend(sort, value, needed=needed)
     if sort in _RANGE_ERRORS:
         bound, word = _RANGE_ERRORS[sort]
         hint = f"write a number that is {word} {context[bound]:g}"
@@ -191,6 +193,8 @@ def _literal(subject: str, value: Data, expected: str) -> tuple[str, str, str]:
     what = f"{subject} must be one of {', '.join(words)}, got {_got(value)}"
     if len(words) == 1:
         what = f"{subject} must be {words[0]}, got {_got(value)}"
+    if value == words[0]:  # text in the place of a number
+        return "P107", what, "write it without quotes"
     hint = did_you_mean(value, words) if isinstance(value, str) else ""
     return "P107", what, hint if hint.startswith("did") else ""
 
@@ -209,17 +213,20 @@ def _length(source: YamlSource, loc: Loc, report: PydanticError) -> tuple[str, s
     return "P108", f"{_subject(source, loc)} must have {need} items, got {len(value)}", ""
 
 
-def _mend(sort: str, value: Data) -> str:
+def _mend(sort: str, value: Data, *, needed: bool) -> str:  # noqa: PLR0911 one return for each cure
     if sort == "string_type" and not isinstance(value, (tuple, dict, NoneType)):
         return "put it in quotes"
     if value is None:
-        return "write a value, or delete the field; text after ' #' is a comment"
+        deleted = "" if needed else ", or delete the field"
+        return f"write a value{deleted}; text after ' #' is a comment"
     if sort == "bool_type" and isinstance(value, str):
         return "write true or false"
     if sort == "float_type" and isinstance(value, str):
         return "write a point, not a comma" if "," in value else "write a number, such as 0.5"
     if sort in ("tuple_type", "list_type") and isinstance(value, str):
         return f"write [{', '.join(value.replace(',', ' ').split())}]"
+    if sort in ("tuple_type", "list_type"):
+        return "write names in brackets, as in [one, two], or values by name, as in {one: 1}"
     return ""
 
 
@@ -266,7 +273,7 @@ def _elsewhere(loc: Loc) -> str:
     return f"`{loc[0]}` is a field of files of the kind {' or '.join(kinds)}{more}"
 
 
-def _fields(model: type[BaseModel], loc: Loc) -> dict[str, str]:
+def _fields(model: type[BaseModel], loc: Loc, *, required: bool = False) -> dict[str, str]:
     """Return descriptions of the fields beside the last step of `loc`, by name in the file."""
     types: list[Data] = [model]
     for step in loc[:-1]:
@@ -276,7 +283,10 @@ def _fields(model: type[BaseModel], loc: Loc) -> dict[str, str]:
     for kind in _flat(types):
         if isinstance(kind, type) and issubclass(kind, BaseModel):
             texts = descriptions(kind)
-            found |= {f.alias or n: texts.get(n, "") for n, f in kind.model_fields.items()}
+            fields = [
+                (n, f) for n, f in kind.model_fields.items() if f.is_required() or not required
+            ]
+            found |= {f.alias or n: texts.get(n, "") for n, f in fields}
     return found
 
 

@@ -145,6 +145,7 @@ _SIGN_KEY = re.compile(r"(\s*)([{\[\]},!][^\w\s:,\"']{0,2}|[\"']):(?:\s|$)")
 """A label of X-SAMPA as a key, such as ``{`` and ``!``, that begins with a sign of YAML."""
 
 _CURLY = re.compile("[“”„‘’‚]")
+_ODD_SPACE = re.compile("(?:^ *|:)([\u00a0\u1680\u2000-\u200b\u202f\u205f\u3000\ufeff])")
 _COLON = re.compile(r":(?=\s|$)")
 _CLOSING_BRACKETS = {"[": "]", "{": "}"}
 
@@ -175,10 +176,8 @@ def cause(  # noqa: PLR0911 one return for each cause
     shown = lines[line - 1]
     if found := _sign_key(lines, (line, first)) or _open_quote(lines, line):
         return found
-    for number in dict.fromkeys((line, first)):
-        if curly := _CURLY.search(lines[number - 1]):
-            what = f"curly quotes ({curly[0]}) are no quotes in YAML"
-            return Cause(number, curly.start() + 1, what, 'write straight quotes (") instead')
+    if found := _odd_sign(lines, dict.fromkeys((line, first, *range(max(line - 3, 1), line)))):
+        return found
     if _BAD_ESCAPE.search(error.problem):
         hint = "write `\\\\` for a backslash, `/` in paths, or use single quotes"
         return Cause(line, column, "a backslash in double quotes begins an escape", hint)
@@ -201,8 +200,21 @@ def _sign_key(lines: list[str], numbers: Iterable[int]) -> Cause | None:
         if found := _SIGN_KEY.match(lines[number - 1]):
             label = found[2]
             quoted = f'"{label}"' if "'" in label else f"'{label}'"
-            what = f"a key may not begin with '{label[0]}', a sign of YAML"
+            sign = f"'{label[0]}'" if label[0] != "'" else '"\'"'
+            what = f"a key may not begin with {sign}, a sign of YAML"
             return Cause(number, found.end(1) + 1, what, f"write it in quotes: `{quoted}: ...`")
+    return None
+
+
+def _odd_sign(lines: list[str], numbers: Iterable[int]) -> Cause | None:
+    """Find curly quotes, or a space that is none in YAML, in some lines."""
+    for number in numbers:
+        if curly := _CURLY.search(lines[number - 1]):
+            what = f"curly quotes ({curly[0]}) are no quotes in YAML"
+            return Cause(number, curly.start() + 1, what, 'write straight quotes (") instead')
+        if space := _ODD_SPACE.search(lines[number - 1]):
+            what = f"the character U+{ord(space[1]):04X} is no space in YAML"
+            return Cause(number, space.start(1) + 1, what, "write an ordinary space instead")
     return None
 
 
