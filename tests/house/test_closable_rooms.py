@@ -8,6 +8,7 @@ import sys
 
 import pytest
 from lanes import full
+from pages import Ended
 from places import ROOT
 
 PLUG_INS = (
@@ -25,20 +26,41 @@ point that plug-ins fill. The rules let no other room import a plug-in, so the o
 where a test itself needs one: all modules of tests are imported."""
 
 
+COMMANDS = """
+import json, sys
+from contextlib import redirect_stderr, redirect_stdout
+from io import BytesIO, TextIOWrapper
+from lipsync_lang.cli import main
+
+def run(words):
+    out, err = (TextIOWrapper(BytesIO(), "utf-8", write_through=True) for _ in range(2))
+    with redirect_stdout(out), redirect_stderr(err):
+        try:
+            code = main(words)
+        except SystemExit as ended:
+            code = ended.code or 0
+    return code, *(stream.buffer.getvalue().decode() for stream in (out, err))
+
+print(json.dumps([run(words) for words in json.loads(sys.argv[1])]))
+"""
+"""Runs commands one after the other: to start the program for each takes longer."""
+
 QUICK_TESTS = ("-m", "pytest", "-m", "not full", "-p", "no:cacheprovider")
 
 
 @pytest.fixture
 def without(tmp_path):
-    """Copy the checkout, and remove some rooms or wings with their tests."""
+    """Copy the checkout, or the program alone, and remove some rooms or wings with their tests."""
 
-    def remove(*rooms):
+    def remove(*rooms, alone=False):
         # Compiled modules go along, as times of files are kept: compiling takes 20 s.
-        rubbish = shutil.ignore_patterns(".git", ".venv", ".*_cache", "build", "node_modules")
-        shutil.copytree(ROOT, tmp_path, ignore=rubbish, dirs_exist_ok=True)
+        rubbish = (".git", ".venv", ".*_cache", "build", "node_modules")
+        rubbish += ("tests", "docs") if alone else ()
+        ignored = shutil.ignore_patterns(*rubbish)
+        shutil.copytree(ROOT, tmp_path, ignore=ignored, dirs_exist_ok=True)
         for room in rooms:
             shutil.rmtree(tmp_path / "lipsync_lang" / room)
-            shutil.rmtree(tmp_path / "tests" / room)
+            shutil.rmtree(tmp_path / "tests" / room, ignore_errors=alone)
 
         def python(*arguments):
             environment = os.environ | {"PYTHONPATH": str(tmp_path)}
@@ -55,19 +77,19 @@ def without(tmp_path):
 @full
 @pytest.mark.parametrize("room", CLOSABLE)
 def test_the_program_works_without_a_room(without, room):
-    python = without(room)
+    python = without(room, alone=True)
     there = set(PLUG_INS) - ({*PLUG_INS} if room == "plugins" else {room.rpartition("/")[2]})
-    shown = python("-m", "lipsync_lang", "--help")
-    assert (shown.returncode, shown.stderr) == (0, "")
-    assert ("study" in shown.stdout) == ("study" in there)
     line = ("run", "Hello", "-l", "english", "-c", "facefx", "--tts", "none", "-o", "csv:-")
-    ran = python("-m", "lipsync_lang", *line)
-    assert ran.returncode == 0
-    assert ran.stdout.startswith("time_s,")
-    checked = python("-m", "lipsync_lang", "validate", "languages/finnish.yaml", "--no-tests")
-    assert checked.returncode == 0
-    told = python("-m", "lipsync_lang", "bank", "--help")
-    assert ("SmartBody" in told.stdout, "captures of" in told.stdout) == (
+    check = ("validate", "languages/finnish.yaml", "--no-tests")
+    done = python("-c", COMMANDS, json.dumps([["--help"], line, check, ["bank", "--help"]]))
+    assert (done.returncode, done.stderr) == (0, "")
+    shown, ran, checked, told = map(Ended._make, json.loads(done.stdout))
+    assert (shown.code, shown.err) == (0, "")
+    assert ("study" in shown.out) == ("study" in there)
+    assert ran.code == 0
+    assert ran.out.startswith("time_s,")
+    assert checked.code == 0
+    assert ("SmartBody" in told.out, "captures of" in told.out) == (
         "smartbody" in there,
         "capture" in there,
     )

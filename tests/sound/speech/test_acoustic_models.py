@@ -1,6 +1,7 @@
 """Acoustic models as data: the model of pocketsphinx written in other forms aligns alike."""
 
 import struct
+from functools import cache
 
 import numpy as np
 import pytest
@@ -66,14 +67,19 @@ def text_mdef(model, contexts):
     return "\n".join(["# made by a test", "0.3", f"{len(names)} n_base", *rows]) + "\n"
 
 
+@cache
+def whole_text(model):
+    """Return the text of all phonemes, with and without context."""
+    return text_mdef(model, zip(model.keys, model.rows, strict=True))
+
+
 def in_text(shipped, folder):
     """Write the model with a text `mdef` and with `mixture_weights`."""
     folder.mkdir()
     for name in ("feat.params", "means", "variances", "transition_matrices"):
         (folder / name).write_bytes((shipped.acoustic / name).read_bytes())
     model = shipped.model
-    mdef = text_mdef(model, zip(model.keys, model.rows, strict=True))
-    (folder / "mdef").write_text(mdef, encoding="utf-8")
+    (folder / "mdef").write_text(whole_text(model), encoding="utf-8")
     weights = np.moveaxis(model.weights, -1, 0)
     table(folder / "mixture_weights", (*weights.shape, weights.size), 1000 * weights)
     return folder
