@@ -10,25 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from lipsync_lang.base.errors import PackError, did_you_mean
+from lipsync_lang.packs import models
 from lipsync_lang.packs.checking.conflicts import conflicts, unprepared
 from lipsync_lang.packs.checking.language_checks import check_labels, notation_of
 from lipsync_lang.packs.finding import NONE_UNSAVED, beside, model_beside
-from lipsync_lang.packs.models import (
-    BankPack,
-    BigramCurves,
-    Character,
-    Checks,
-    Delivery,
-    Gesture,
-    GesturePose,
-    Language,
-    LineEdits,
-    Phonemes,
-    PoseSet,
-    RigPack,
-    Threshold,
-    TrigramCurves,
-)
 from lipsync_lang.packs.models.language_models import AudioFields
 from lipsync_lang.packs.models.pose_models import MouthOrigin
 from lipsync_lang.packs.models.rig_models import expanded
@@ -37,7 +22,7 @@ from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.packs.yaml.source import Loc
 
 
-def check_phonemes(common: Pack[Phonemes]) -> Iterator[Fault]:
+def check_phonemes(common: Pack[models.Phonemes]) -> Iterator[Fault]:
     """Check that silence, `base`, `like` and mouth shapes name declared phonemes."""
     model = common.model
     known = {*model.phonemes, model.silence}
@@ -59,7 +44,7 @@ def check_phonemes(common: Pack[Phonemes]) -> Iterator[Fault]:
             yield from _phonemes(common, place, sounds.to, everywhere)
 
 
-def _shades(common: Pack[Phonemes]) -> Iterator[Fault]:
+def _shades(common: Pack[models.Phonemes]) -> Iterator[Fault]:
     """Check that each shade has a name of its own, and a parent that is not a shade."""
     model = common.model
     parents = {*model.phonemes} - {model.silence}
@@ -77,7 +62,7 @@ def _shades(common: Pack[Phonemes]) -> Iterator[Fault]:
             yield from _phoneme(common, (*loc, "like"), shade.like, parents)
 
 
-def check_language(language: Pack[Language], common: Phonemes) -> Iterator[Fault]:
+def check_language(language: Pack[models.Language], common: models.Phonemes) -> Iterator[Fault]:
     """Check that a language maps labels and words to its own phonemes only."""
     model = language.model
     known = with_shades({*common.base, common.silence, *model.adds}, common)
@@ -101,7 +86,9 @@ def check_language(language: Pack[Language], common: Phonemes) -> Iterator[Fault
     yield from check_labels(language)
 
 
-def _adds(language: Pack[Language], common: Phonemes, known: Collection[str]) -> Iterator[Fault]:
+def _adds(
+    language: Pack[models.Language], common: models.Phonemes, known: Collection[str]
+) -> Iterator[Fault]:
     # the model has a mapping, which lost the items that a list states twice
     stated = language.source.data.get("adds")
     if isinstance(stated, tuple):
@@ -119,7 +106,7 @@ def _adds(language: Pack[Language], common: Phonemes, known: Collection[str]) ->
             yield from _phoneme(language, loc, phoneme.like, set(known) - {label}, common)
 
 
-def _engines(language: Pack[Language]) -> Iterator[Fault]:
+def _engines(language: Pack[models.Language]) -> Iterator[Fault]:
     """Check that `g2p` and `audio` name a notation of the language, and `audio` its labels."""
     model, g2p, audio = language.model, language.model.g2p, language.model.audio
     for field, part in (("g2p", g2p), ("audio", audio)):
@@ -141,7 +128,7 @@ def _engines(language: Pack[Language]) -> Iterator[Fault]:
                 yield language.fault(("audio", "phones", label), "P218", what, hint)
 
 
-def _similar_notations(language: Pack[Language]) -> Iterator[Fault]:
+def _similar_notations(language: Pack[models.Language]) -> Iterator[Fault]:
     """Warn of notations that a child adds beside one of nearly the same name of its parent."""
     own, *above = [source.data.get("notations") or {} for source in language.sources]
     inherited = {name for one in above for name in one}
@@ -152,7 +139,7 @@ def _similar_notations(language: Pack[Language]) -> Iterator[Fault]:
             yield language.warning(("notations", name), "W321", what, near, key=True)
 
 
-def _acoustic_models(language: Pack[Language], audio: AudioFields) -> Iterator[Fault]:
+def _acoustic_models(language: Pack[models.Language], audio: AudioFields) -> Iterator[Fault]:
     """Check that the models of `audio` lie in the folder of packs, or have a name alone."""
     engines = [("align", one) for one in audio.align] + [("recognise", audio.recognise or "")]
     for field, engine in (*engines, ("model", f":{audio.model or ''}")):
@@ -164,10 +151,10 @@ def _acoustic_models(language: Pack[Language], audio: AudioFields) -> Iterator[F
 
 
 def check_poseset(
-    poseset: Pack[PoseSet],
+    poseset: Pack[models.PoseSet],
     phonemes: Collection[str],
-    banks: Iterable[BankPack] | None = None,
-    common: Phonemes | None = None,
+    banks: Iterable[models.BankPack] | None = None,
+    common: models.Phonemes | None = None,
 ) -> Iterator[Fault]:
     """Check that a pose set names its own poses and known phonemes, and that its rules agree.
 
@@ -206,11 +193,11 @@ def check_poseset(
     yield from conflicts(poseset, banks)
 
 
-def _poses_named(model: PoseSet) -> Iterator[tuple[Loc, str]]:
+def _poses_named(model: models.PoseSet) -> Iterator[tuple[Loc, str]]:
     """Yield (place, name) for every pose named outside `poses`."""
     for index, pair in enumerate(model.constraints.pairs):
         at = ("constraints", "pairs", index)
-        if isinstance(pair, Threshold):
+        if isinstance(pair, models.Threshold):
             yield from (((*at, "between", n), pose) for n, pose in enumerate(pair.between))
         else:
             yield (*at, "pose"), pair.pose
@@ -227,7 +214,7 @@ def _poses_named(model: PoseSet) -> Iterator[tuple[Loc, str]]:
         yield from ((("measures", name, pose), pose) for pose in gains)
 
 
-def _poses_targeted(model: PoseSet | Character) -> Iterator[tuple[Loc, str]]:
+def _poses_targeted(model: models.PoseSet | models.Character) -> Iterator[tuple[Loc, str]]:
     """Yield (place, name) for every pose of a target."""
     for label, targets in model.targets.items():
         for index, target in enumerate(targets):
@@ -236,7 +223,7 @@ def _poses_targeted(model: PoseSet | Character) -> Iterator[tuple[Loc, str]]:
             yield from (((*at, "dominance", pose), pose) for pose in target.dominance)
 
 
-def _poses(poseset: Pack[PoseSet]) -> Iterator[Fault]:
+def _poses(poseset: Pack[models.PoseSet]) -> Iterator[Fault]:
     """Check that each spelling belongs to one pose, none is the face at rest, and targets move all.
 
     A pose set without targets leaves all its poses to the banks.
@@ -262,7 +249,7 @@ def _poses(poseset: Pack[PoseSet]) -> Iterator[Fault]:
             yield poseset.warning((field, pose), "W301", what, hint, key=True)
 
 
-def _postures(poseset: Pack[PoseSet]) -> Iterator[Fault]:
+def _postures(poseset: Pack[models.PoseSet]) -> Iterator[Fault]:
     """Check that postures have poses of their own, limited beside known poses and contacts."""
     model = poseset.model
     for name, pose in model.posture_poses.items():
@@ -278,7 +265,7 @@ def _postures(poseset: Pack[PoseSet]) -> Iterator[Fault]:
                 yield poseset.unknown(loc, "P201", "contact", contact, model.contacts, key=True)
 
 
-def _gestures(poseset: Pack[PoseSet]) -> Iterator[Fault]:
+def _gestures(poseset: Pack[models.PoseSet]) -> Iterator[Fault]:
     """Check that gestures move poses of their own, within their bounds and speed."""
     model = poseset.model
     for field in ("gesture_poses", "optional_poses"):
@@ -300,7 +287,7 @@ def _gestures(poseset: Pack[PoseSet]) -> Iterator[Fault]:
 
 
 def _gesture_bounds(
-    poseset: Pack[PoseSet], loc: Loc, gesture: Gesture, pose: GesturePose
+    poseset: Pack[models.PoseSet], loc: Loc, gesture: models.Gesture, pose: models.GesturePose
 ) -> Iterator[Fault]:
     """Check that a gesture keeps to the largest amount and the speed of one of its poses."""
     least = 0.0 if pose.node is None else -pose.most
@@ -320,8 +307,8 @@ def _gesture_bounds(
 
 
 def check_bank(
-    bank: Pack[BankPack],
-    poseset: PoseSet,
+    bank: Pack[models.BankPack],
+    poseset: models.PoseSet,
     phonemes: Collection[str] | None,
     languages: Collection[str],
 ) -> Iterator[Fault]:
@@ -339,8 +326,8 @@ def check_bank(
 
 
 def check_character(  # noqa: PLR0913 the packs that a character refers to
-    character: Pack[Character],
-    poseset: PoseSet,
+    character: Pack[models.Character],
+    poseset: models.PoseSet,
     phonemes: Collection[str],
     *,
     rigs: Collection[str],
@@ -383,7 +370,7 @@ def check_character(  # noqa: PLR0913 the packs that a character refers to
 
 
 def _own_drafts(
-    character: Pack[Character], poseset: PoseSet, phonemes: Collection[str]
+    character: Pack[models.Character], poseset: models.PoseSet, phonemes: Collection[str]
 ) -> Iterator[Fault]:
     """Check the poses, targets and seconds of a character for unknown names."""
     model, optional = character.model, poseset.optional_poses
@@ -405,8 +392,8 @@ def _own_drafts(
 
 
 def idle_mouths(
-    character: Pack[Character],
-    poseset: PoseSet,
+    character: Pack[models.Character],
+    poseset: models.PoseSet,
     project: MouthOrigin | None = None,
     *,
     solved: bool | None = None,
@@ -416,28 +403,26 @@ def idle_mouths(
     `project` is the `mouth` of the project, and `solved` tells if the model was solved. None for a
     model that nobody has read: it may be.
     """
-    model = character.model
-    stated = [field for field in ("mouths", "reach") if getattr(model, field)]
-    stated += ["mouth"] if model.mouth == "solved" else []
-    hint = "state the weights under `targets`"
+    model, hint = character.model, "state the weights under `targets`"
+    fields = {"mouths": model.mouths, "reach": model.reach, "mouth": model.mouth == "solved"}
+    stated = next((name for name, value in fields.items() if value), None)
     if (model.mouth or project or poseset.mouth) == "declared":
         who = "the character" if model.mouth else "the project" if project else "the pose set"
         why, hint = f"{who} keeps declared targets", f"state `mouth: solved` here, or {hint}"
     elif model.model is not None:
-        why = "the mouth of its model cannot be measured"
-        stated = [] if solved is None else stated
+        why, solved = "the mouth of its model cannot be measured", solved is not False
     elif poseset.model is not None:
         why = f"{poseset.name} keeps the targets that were made for its own model"
     else:
         why, hint = "the character has no model", f"name one under `model`, or {hint}"
     if stated and not solved:
-        yield character.warning((stated[0],), "W322", f"no effect, because {why}", hint, key=True)
+        yield character.warning((stated,), "W322", f"no effect, because {why}", hint, key=True)
 
 
 def _rules(
-    pack: Pack[PoseSet] | Pack[Character],
-    stated: Checks,
-    poseset: PoseSet,
+    pack: Pack[models.PoseSet] | Pack[models.Character],
+    stated: models.Checks,
+    poseset: models.PoseSet,
     phonemes: Collection[str],
 ) -> Iterator[Fault]:
     """Check that rules name known phonemes and measures of the pose set."""
@@ -463,7 +448,7 @@ def _file(pack: Pack[Any], loc: Loc, file: str | None) -> Iterator[Fault]:
 
 
 def _regions(
-    pack: Pack[Any], loc: Loc, named: Iterable[str], poseset: PoseSet, *, key: bool = True
+    pack: Pack[Any], loc: Loc, named: Iterable[str], poseset: models.PoseSet, *, key: bool = True
 ) -> Iterator[Fault]:
     """Check that regions, which are the keys at a place, are those of poses."""
     known = sorted({pose.region for pose in poseset.poses.values() if pose.region})
@@ -474,10 +459,10 @@ def _regions(
 
 
 def _delivery(
-    character: Pack[Character],
+    character: Pack[models.Character],
     at: Loc,
-    stated: Delivery,
-    poseset: PoseSet,
+    stated: models.Delivery,
+    poseset: models.PoseSet,
     styles: Collection[str],
 ) -> Iterator[Fault]:
     """Check that dials name regions of the pose set, and that styles have a bank or a draft."""
@@ -487,7 +472,7 @@ def _delivery(
             place: Loc = (*at, "gestures", name)
             yield character.unknown(place, "P234", "gesture", name, poseset.gestures, key=True)
     # all styles are shares over the default one, which is what is left of them
-    known = {*styles, *poseset.styles} - {BankPack.model_fields["style"].default}
+    known = {*styles, *poseset.styles} - {models.BankPack.model_fields["style"].default}
     for style in stated.styles:
         if style not in known:
             what = f"no bank has the style '{style}', so it has no effect"
@@ -496,7 +481,7 @@ def _delivery(
 
 
 def _placed(
-    character: Pack[Character], name: str, line: LineEdits, poseset: PoseSet
+    character: Pack[models.Character], name: str, line: models.LineEdits, poseset: models.PoseSet
 ) -> Iterator[Fault]:
     """Check that a line places gestures of the pose set."""
     for index, one in enumerate(line.placed):
@@ -505,16 +490,16 @@ def _placed(
             yield character.unknown(at, "P234", "gesture", one.gesture, poseset.gestures)
 
 
-def with_shades(phonemes: Collection[str], common: Phonemes) -> set[str]:
+def with_shades(phonemes: Collection[str], common: models.Phonemes) -> set[str]:
     """Return phonemes together with the shades of each."""
     shades = (name for name, shade in common.shades.items() if shade.like in phonemes)
     return {*phonemes, *shades}
 
 
 def check_bigrams(
-    pack: Pack[BankPack] | Pack[Character],
-    bigrams: Mapping[str, BigramCurves | TrigramCurves],
-    poseset: PoseSet,
+    pack: Pack[models.BankPack] | Pack[models.Character],
+    bigrams: Mapping[str, models.BigramCurves | models.TrigramCurves],
+    poseset: models.PoseSet,
     phonemes: Collection[str] | None,
     *,
     field: str = "bigrams",
@@ -528,7 +513,7 @@ def check_bigrams(
 
 
 def check_home(
-    pack: Pack[BankPack] | Pack[RigPack], stated: str, poseset: PoseSet
+    pack: Pack[models.BankPack] | Pack[models.RigPack], stated: str, poseset: models.PoseSet
 ) -> Iterator[Fault]:
     """Check that a bank or rig lies in the folder of its pose set."""
     if stated != poseset.name:
@@ -545,14 +530,14 @@ def _twice(pack: Pack[Any], loc: Loc, items: Iterable[str]) -> Iterator[Fault]:
 
 
 def check_poses(
-    pack: Pack[Any], loc: Loc, named: Iterable[str], poseset: PoseSet
+    pack: Pack[Any], loc: Loc, named: Iterable[str], poseset: models.PoseSet
 ) -> Iterator[Fault]:
     """Check that the keys at a place are poses of a pose set."""
     for pose in named:
         yield from _pose(pack, (*loc, pose), pose, poseset)
 
 
-def _pose(pack: Pack[Any], loc: Loc, pose: str, poseset: PoseSet) -> Iterator[Fault]:
+def _pose(pack: Pack[Any], loc: Loc, pose: str, poseset: models.PoseSet) -> Iterator[Fault]:
     if pose not in poseset.poses:
         yield pack.unknown(loc, "P201", "pose", pose, poseset.poses, key=pose == loc[-1])
 
@@ -562,7 +547,7 @@ def _phonemes(
     loc: Loc,
     labels: Iterable[str],
     known: Collection[str],
-    common: Phonemes | None = None,
+    common: models.Phonemes | None = None,
 ) -> Iterator[Fault]:
     """Check that each label of a list is a known phoneme."""
     for number, label in enumerate(labels):
@@ -574,7 +559,7 @@ def _phoneme(  # noqa: PLR0913 the phoneme, its place and options
     loc: Loc,
     label: str,
     known: Collection[str],
-    common: Phonemes | None = None,
+    common: models.Phonemes | None = None,
     *,
     key: bool = False,
 ) -> Iterator[Fault]:

@@ -8,26 +8,13 @@ from pydantic import ValidationError
 
 from lipsync_lang.base.errors import PackError
 from lipsync_lang.base.files.reach import refuse_outside
-from lipsync_lang.packs import models
+from lipsync_lang.packs import finding, models
 from lipsync_lang.packs.checking import pack_checks as checks
 from lipsync_lang.packs.checking.ipa_checks import check_ipa
 from lipsync_lang.packs.checking.language_checks import check_claims
 from lipsync_lang.packs.checking.project_checks import check_characters, check_languages
 from lipsync_lang.packs.checking.rig_checks import check_rig
 from lipsync_lang.packs.checking.voices import check_voices
-from lipsync_lang.packs.finding import (
-    COMMON,
-    FOLDERS,
-    IPA,
-    PACK_SUFFIXES,
-    PART_FOLDERS,
-    POSESET,
-    SHARED,
-    answers_of,
-    beside,
-    entries,
-    yaml_files,
-)
 from lipsync_lang.packs.library import FileRequest, KnownPhonemes, Library, added_by
 from lipsync_lang.packs.models import MODELS, Language, PackModel
 from lipsync_lang.packs.pack import Pack
@@ -80,7 +67,7 @@ class _Validation:
         if self.common is None:
             self._try(self.library.common)
         for root in self.library.roots:
-            for folder in FOLDERS.values():
+            for folder in finding.FOLDERS.values():
                 self.check_folder(root.path / folder)
         project = self.library.project
         found = None if project is None else find_project(project)
@@ -94,7 +81,7 @@ class _Validation:
         """Check a file, or all packs below a folder."""
         path = path.absolute()
         if path.is_dir():
-            parts = [path / f for f in FOLDERS.values() if (path / f).is_dir()]
+            parts = [path / f for f in finding.FOLDERS.values() if (path / f).is_dir()]
             for folder in parts or [path]:
                 self.check_folder(folder)
         else:
@@ -103,17 +90,18 @@ class _Validation:
     def check_folder(self, folder: Path) -> None:
         """Check all packs below a folder; warn of files that are never read."""
         for path in sorted(
-            p for p in folder.rglob("*") if p.suffix in PACK_SUFFIXES and p.is_file()
+            p for p in folder.rglob("*") if p.suffix in finding.PACK_SUFFIXES and p.is_file()
         ):
-            if path.suffix == PACK_SUFFIXES[0]:
+            if path.suffix == finding.PACK_SUFFIXES[0]:
                 self.check_file(*_placed(path))
             else:
                 self._warn(path, "W303", "is not read, because packs end in `.yaml`", "rename it")
-        if folder.name == FOLDERS["poseset"]:
-            for entry in entries(folder):
-                parts = [POSESET, *PART_FOLDERS]
+        if folder.name == finding.FOLDERS["poseset"]:
+            for entry in finding.entries(folder):
+                parts = [finding.POSESET, *finding.PART_FOLDERS]
                 if entry.is_dir() and not any((entry / part).exists() for part in parts):
-                    self._warn(entry, "W303", f"has no {POSESET}", "write one, or delete it")
+                    what = f"has no {finding.POSESET}"
+                    self._warn(entry, "W303", what, "write one, or delete it")
 
     def check_file(self, path: Path, kind: str | None, name: str | None) -> None:
         """Check one file against its model, then against other packs."""
@@ -157,7 +145,7 @@ class _Validation:
             act[kind](pack)
         elif kind == "phonemes":
             self.faults.update(checks.check_phonemes(pack))
-        elif kind == IPA and common is not None:
+        elif kind == finding.IPA and common is not None:
             self.faults.update(check_ipa(pack, common.model))
         elif kind == "poseset" and phonemes is not None:
             model = None if common is None else common.model
@@ -206,13 +194,13 @@ class _Validation:
         mouth = stated_mouth(self.library.project)
         self.faults.update(checks.idle_mouths(pack, poseset, mouth))
         for file in pack.model.banks:
-            path = beside(pack.path, file)
+            path = finding.beside(pack.path, file)
             if path is not None:
                 self.check_file(path, "bank", path.stem)
 
     def _banks(self, pack: Pack[models.PoseSet]) -> list[models.BankPack] | None:
         """Return the banks beside a pose set and those of other folders; None if one is faulty."""
-        name, own = pack.model.name, yaml_files(pack.path.parent / "banks").values()
+        name, own = pack.model.name, finding.yaml_files(pack.path.parent / "banks").values()
         found = [self.library.inspect(path, "bank", path.stem)[0] for path in own]
         # the file may lie in a folder that the library does not search
         if self.library.lookup("poseset", name):
@@ -223,8 +211,8 @@ class _Validation:
     def _poseset_of(self, pack: "Pack[Any]") -> models.PoseSet | None:
         """Return the pose set that a pack lies in or names; None if it is missing or faulty."""
         # a folder that is checked by its path may hold a pose set that another shadows
-        beside = pack.path.parent.parent / POSESET
-        if pack.path.parent.name in PART_FOLDERS and beside.is_file():
+        beside = pack.path.parent.parent / finding.POSESET
+        if pack.path.parent.name in finding.PART_FOLDERS and beside.is_file():
             model, _, _ = self.library.inspect(beside, "poseset", beside.parent.name)
             return cast("models.PoseSet | None", model)
         name = pack.model.poseset
@@ -252,7 +240,7 @@ class _Validation:
         found = [f for f in self.library.names("language") if f.shadowed_by is None]
         first = {folded_language(one.name): one.name for one in found}
         for one in found:
-            for answer in answers_of(one.path):
+            for answer in finding.answers_of(one.path):
                 other = first.setdefault(answer, one.name)
                 if other == one.name:
                     continue
@@ -268,7 +256,7 @@ class _Validation:
 
     def _replacing(self) -> None:
         """Warn of packs that are found in place of built-in ones, unless they extend these."""
-        for kind in FOLDERS:
+        for kind in finding.FOLDERS:
             for found in self.library.names(kind):
                 model = None
                 if found.shadowed_by is not None and found.root.origin == "built-in":
@@ -287,7 +275,8 @@ class _Validation:
         except PackFaults as error:
             self.faults.update(error.faults)
         except PackError as error:
-            self.faults.add(Fault(f"{FOLDERS['language']}/{COMMON}.yaml", 1, 1, "P001", str(error)))
+            place = f"{finding.FOLDERS['language']}/{finding.COMMON}.yaml"
+            self.faults.add(Fault(place, 1, 1, "P001", str(error)))
         return None
 
 
@@ -305,11 +294,11 @@ def _placed(path: Path) -> FileRequest:
     if path.name == PROJECT_FILE:
         return path, PROJECT, None
     # all pose sets have a file of this name, and the name of their folder
-    if path.name == POSESET:
+    if path.name == finding.POSESET:
         return path, "poseset", folder
-    kind = PART_FOLDERS.get(folder)
-    if folder == FOLDERS["language"]:
-        kind = SHARED.get(path.stem, "language")
+    kind = finding.PART_FOLDERS.get(folder)
+    if folder == finding.FOLDERS["language"]:
+        kind = finding.SHARED.get(path.stem, "language")
     return path, kind, path.stem
 
 
