@@ -40,7 +40,7 @@ COMMANDS: Extensions[AddCommand] = Extensions(
         name: f"{__package__}.{SHARED_MODULES.get(name, name)}"
         for name in (
             "new", "doctor", "run", "transcribe", "explain", "stills", "live", "studio", "resolve",
-            "validate", "schema", "coverage", "check", "build", "archive", "languages", "posesets",
+            "validate", "schema", "coverage", "check", "build", "languages", "posesets",
             "characters", "bank", "models", "voices", "formats", "completion",
         )
     },

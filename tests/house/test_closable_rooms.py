@@ -12,7 +12,7 @@ from pages import Ended
 from places import ROOT
 
 PLUG_INS = (
-    *("capture", "cluster", "festival", "g2p", "heads", "htk", "mfa"),
+    *("archives", "capture", "cluster", "festival", "g2p", "heads", "htk", "mfa"),
     *("phonemizer", "programs", "scripts", "smartbody", "study", "timings", "whisper"),
 )
 

@@ -51,7 +51,7 @@ ROOMS = {
     "reports": ({"coverage", "quality"},),
     "production": ({"builds", "live"},),
     "plugins": (
-        {"capture", "cluster", "heads", "players", "study"},
+        {"archives", "capture", "cluster", "heads", "players", "study"},
         {"programs", "scripts", "timings"},
         {"festival", "g2p", "htk", "mfa", "phonemizer", "smartbody", "whisper"},
     ),

@@ -6,7 +6,7 @@ by language and line, such as `english/intro_001`, and are the bytes of `.keys` 
 """
 
 import struct
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from mmap import ACCESS_READ, mmap
 from pathlib import Path
@@ -230,50 +230,3 @@ def archive_of(path: Path) -> TakesFile:
     if found.patch is not None:
         raise OutputError(f"{path}: is a patch; `lipsync-lang archive apply` makes the archive")
     return found
-
-
-def merged(paths: Iterable[Path]) -> dict[str, bytes]:
-    """Return the takes of several archives; the same take may stand in several.
-
-    Raises OutputError if two have different takes of one name.
-    """
-    found: dict[str, bytes] = {}
-    first: dict[str, Path] = {}
-    for path in paths:
-        for name, take in archive_of(path).takes.items():
-            if found.setdefault(name, take) != take:
-                what = f"'{name}' differs from that of {first[name]}"
-                raise OutputError(f"{path}: {what}; build both parts from the same project")
-            first.setdefault(name, path)
-    return found
-
-
-def difference(old: TakesFile, new: TakesFile) -> bytes:
-    """Return the patch that makes the old archive the new one."""
-    changed = {name: one for name, one in new.takes.items() if old.takes.get(name) != one}
-    gone = dict.fromkeys(old.takes.keys() - new.takes.keys(), b"")
-    return encoded({**changed, **gone}, (_identity(old.takes), _identity(new.takes)))
-
-
-def patched(path: Path, patch: Path) -> dict[str, bytes]:
-    """Return the takes of an archive after a patch.
-
-    Raises OutputError if the patch belongs to another archive.
-    """
-    old, change = archive_of(path), read_takes(patch)
-    if change.patch is None:
-        raise OutputError(f"{patch}: is an archive, not a patch; `archive diff` makes patches")
-    if _identity(old.takes) != change.patch[0]:
-        raise OutputError(f"{path}: is not the archive that {patch} was made for")
-    takes = {name: one for name, one in {**old.takes, **change.takes}.items() if one}
-    if _identity(takes) != change.patch[1]:
-        raise OutputError(f"{patch}: makes another archive than it states; make it again")
-    return takes
-
-
-def _identity(takes: Mapping[str, bytes]) -> int:
-    """Return the checksum of an archive's names and takes."""
-    value = 0
-    for name, take in sorted(takes.items()):
-        value = crc32(take, crc32(name.encode() + b"\0", value))
-    return value

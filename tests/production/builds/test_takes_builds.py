@@ -1,11 +1,9 @@
-"""Builds of archives of takes: whole, in shards, merged, and as patches."""
+"""Builds of archives of takes: whole and in shards."""
 
-import json
-import shutil
 import struct
 
 import pytest
-from build_project import PROJECT, Game
+from build_project import ARCHIVE, PROJECT, SAID, archived_game
 
 from lipsync_lang.base.errors import LipsyncError, OutputError
 from lipsync_lang.cli import main
@@ -19,21 +17,13 @@ from lipsync_lang.production.builds.takes import (
     read_takes,
 )
 
-SAID = ["L OW", "M AE P", "M EY L", "HH OW M", "L OW M", "M AE M", "P AE L"]
-ARCHIVE = "takes/facefx.takes"
 SHARDS = 3
 
 
 @pytest.fixture
 def game(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    made = Game(tmp_path, capsys)
-    for number, sounds in enumerate(SAID):
-        made.say(f"line{number}", sounds)
-    made.script([f"line{number}" for number in range(len(SAID))])
-    stated = PROJECT.replace('"takes/{id}.csv"', '"takes/{character}.takes", "csv/{id}.csv"')
-    made.write("lipsync.yaml", stated)
-    return made
+    return archived_game(tmp_path, capsys)
 
 
 def test_a_build_fills_an_archive_and_then_changes_nothing(game):
@@ -87,17 +77,10 @@ def test_prune_removes_takes(game):
     assert [*members(game.folder / ARCHIVE)] == ["english/line0.keys", "english/line1.keys"]
 
 
-def test_shards_are_disjoint_and_merge_to_the_bytes_of_one_build(game):
-    game.build()
-    whole = (game.folder / ARCHIVE).read_bytes()
+def test_shards_are_disjoint(game):
     counts = [len(game.build("--shard", f"{n}/{SHARDS}").built) for n in range(1, SHARDS + 1)]
     assert sum(counts) == len(SAID)
     assert not game.build("--shard", f"1/{SHARDS}").built
-    parts = sorted(str(path) for path in (game.folder / "takes").glob("*-of-3.takes"))
-    assert main(["archive", "merge", "merged.takes", *parts]) == 0
-    assert (game.folder / "merged.takes").read_bytes() == whole
-    assert main(["archive", "merge", "again.takes", *reversed(parts), ARCHIVE]) == 0
-    assert (game.folder / "again.takes").read_bytes() == whole
 
 
 def test_shards_of_lines_do_not_move():
@@ -130,24 +113,6 @@ def test_a_build_after_one_bigram_performs_what_changed_and_copies_the_rest(game
     changed = [name for name in after if after[name] != before[name]]
     assert 0 < len(built) < len(SAID)
     assert changed == [f"english/{one}" for one in built]
-
-
-def test_a_patch_after_one_bigram_holds_only_what_changed(game, capsys):
-    game.build()
-    shutil.copy(game.folder / ARCHIVE, "old.takes")
-    game.bank(0.7)
-    changed = game.build().built
-    assert 0 < len(changed) < len(SAID)
-    assert main(["archive", "diff", "old.takes", ARCHIVE, "crab.patch"]) == 0
-    assert len(read_takes(game.folder / "crab.patch").takes) == len(changed)
-    assert main(["archive", "apply", "old.takes", "crab.patch", "-o", "new.takes"]) == 0
-    assert (game.folder / "new.takes").read_bytes() == (game.folder / ARCHIVE).read_bytes()
-    assert main(["archive", "apply", ARCHIVE, "crab.patch"]) == 2
-    assert "is not the archive that crab.patch was made for" in capsys.readouterr().err
-    assert main(["archive", "merge", "x.takes", "old.takes", "new.takes"]) == 2
-    assert "differs from that of old.takes" in capsys.readouterr().err
-    assert main(["archive", "show", "--json", "crab.patch"]) == 0
-    assert len(json.loads(capsys.readouterr().out)) == len(changed)
 
 
 def test_only_takes_go_into_an_archive(game, capsys):

@@ -58,7 +58,8 @@ def _add_show(action: Add) -> None:
 
 def merge(options: Namespace) -> int:
     """Put archives together."""
-    from lipsync_lang.production.builds.takes import merged, write_takes
+    from lipsync_lang.plugins.archives.archive_patches import merged
+    from lipsync_lang.production.builds.takes import write_takes
 
     takes = merged(options.parts)
     write_takes(options.output, takes)
@@ -70,7 +71,8 @@ def merge(options: Namespace) -> int:
 def diff(options: Namespace) -> int:
     """Write a patch between two archives."""
     from lipsync_lang.base.files import atomic
-    from lipsync_lang.production.builds.takes import archive_of, difference, read_takes
+    from lipsync_lang.plugins.archives.archive_patches import difference
+    from lipsync_lang.production.builds.takes import archive_of, read_takes
 
     old, new = archive_of(options.old), archive_of(options.new)
     patch = difference(old, new)
@@ -86,7 +88,8 @@ def diff(options: Namespace) -> int:
 
 def apply(options: Namespace) -> int:
     """Apply a patch."""
-    from lipsync_lang.production.builds.takes import patched, write_takes
+    from lipsync_lang.plugins.archives.archive_patches import patched
+    from lipsync_lang.production.builds.takes import write_takes
 
     output = options.output or options.archive
     write_takes(output, patched(options.archive, options.patch))
