@@ -1,20 +1,27 @@
 """Acoustic models as data: the model of pocketsphinx written in other forms aligns alike."""
 
 import struct
+import threading
+from contextlib import suppress
 from functools import cache
+from shutil import copytree
 
 import numpy as np
 import pytest
+from lanes import full
 
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.sound.speech.hearing.alignment import aligned
+from lipsync_lang.sound.speech.hearing.sphinx import decoders
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import Listening
+from lipsync_lang.sound.speech.hearing.sphinx.decoders import decoded_words
 from lipsync_lang.sound.speech.hearing.sphinx.features import (
     CepstralFrames,
     features,
 )
 from lipsync_lang.sound.speech.hearing.sphinx.folder import (
+    Models,
     find_models,
     models_in,
     read_gaussians,
@@ -338,3 +345,60 @@ def test_a_word_of_the_dictionary_without_phones_is_told(shipped, english, spoke
     (folder / "own.dict").write_text("glue\nthe DH AH\n", "utf-8")
     with pytest.raises(SpeechError, match=r"own.dict: 'glue' has no phones; add them"):
         aligned(english, spoken, TEXT, aligner=f"pocketsphinx:{folder}")
+
+
+# The decoder, which is native code
+
+
+WORKERS = {
+    "crash": ("import os; os.abort()", "ended"),
+    "hang": ("import time; time.sleep(60)", "did not answer in 1 s"),
+    "garbage": ("print('[[1]]', flush=True)", "ended"),
+}
+
+
+@pytest.mark.parametrize("name", WORKERS)
+def test_a_decoder_that_ends_or_hangs_is_told_in_words(
+    name, shipped, spoken, tmp_path, monkeypatch
+):
+    code, told = WORKERS[name]
+    script = tmp_path / "worker.py"
+    script.write_text(code, "utf-8")
+    monkeypatch.setattr(decoders, "DECODER_SCRIPT", script)
+    monkeypatch.setattr(decoders, "threads", threading.local())
+    monkeypatch.setattr(decoders, "LOADING_SECONDS", 1.0)
+    monkeypatch.setattr(decoders, "PATIENCE", 0.0)
+    with pytest.raises(SpeechError, match=f"pocketsphinx {told}.*copy its folder again"):
+        decoded_words(shipped, prepared(spoken))
+    assert not decoders.threads.loaded
+
+
+@full
+@pytest.mark.parametrize("name", ["mdef", "sendump", "means", "transition_matrices"])
+def test_no_damaged_file_of_a_model_ends_the_program(name, shipped, spoken, tmp_path, monkeypatch):
+    monkeypatch.setattr(decoders, "threads", threading.local())
+    folder = tmp_path / shipped.folder.name
+    copytree(shipped.folder, folder)
+    path = Models(folder).acoustic / name
+    content = path.read_bytes()
+    rng = np.random.default_rng(0)
+    sound = prepared(spoken)
+    for _ in range(6):
+        damaged = bytearray(content[: int(rng.integers(1, len(content)))])
+        for at in rng.integers(0, len(damaged), 20):
+            damaged[at] = int(rng.integers(0, 256))
+        path.write_bytes(damaged)
+        with suppress(SpeechError):
+            decoded_words(Models(folder), sound)
+        decoders.threads.loaded.clear()
+
+
+@full
+def test_a_decoder_has_a_limit_of_memory(shipped, spoken, tmp_path, monkeypatch):
+    pytest.importorskip("resource")
+    worker = decoders.DECODER_SCRIPT.read_text("utf-8").replace("2**31", "2**26")
+    (tmp_path / "worker.py").write_text(worker, "utf-8")
+    monkeypatch.setattr(decoders, "DECODER_SCRIPT", tmp_path / "worker.py")
+    monkeypatch.setattr(decoders, "threads", threading.local())
+    with pytest.raises(SpeechError, match="pocketsphinx ended"):
+        decoded_words(shipped, prepared(spoken))

@@ -3,16 +3,23 @@
 A sound is decoded in parts, cut at the quietest frames.
 """
 
+import json
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
-from functools import partial
-from threading import local
+from pathlib import Path
+from subprocess import DEVNULL, PIPE
+from threading import Timer, local
+from time import monotonic
 from typing import Any, NamedTuple
+from weakref import finalize
 
 import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.sound.speech.hearing.sphinx.features import HOP_SAMPLES
 from lipsync_lang.sound.speech.hearing.sphinx.folder import Models
@@ -40,6 +47,11 @@ PHONE_BEAM = 1e-20
 
 VARIANT = re.compile(r"\(\d+\)$")
 """Number of a further pronunciation, after a word of the dictionary."""
+
+DECODER_SCRIPT = Path(__file__).with_name("sphinx_worker.py")
+
+LOADING_SECONDS, PATIENCE = 30.0, 10.0
+"""Seconds to wait for a decoder, and for each second of its sound."""
 
 threads = local()
 """Decoders; each takes a second to load and some 100 MB, and serves one thread at a time."""
@@ -93,20 +105,67 @@ def decoded_phones(models: Models, sound: Floats) -> list[HeardPhoneme]:
     ]
 
 
-def _segments(models: Models, sound: Floats, kind: str, **settings: Any) -> list[Any]:
-    """Return the segments of this thread's decoder of a kind, which is loaded once."""
-    from pocketsphinx import Decoder
+class _Segment(NamedTuple):
+    """A word or phoneme that a decoder heard."""
 
-    loaded: dict[tuple[Models, str], Any] = threads.__dict__.setdefault("loaded", {})
+    word: str
+    start_frame: int
+    prob: float
+
+
+class _Decoder:
+    """A decoder in a process of its own, which ends with this object."""
+
+    def __init__(self, models: Models, settings: dict[str, Any]) -> None:
+        self._models = models
+        self._worker = subprocess.Popen(  # noqa: S603 our own script, no shell
+            [sys.executable, "-I", "-S", str(DECODER_SCRIPT)],
+            stdin=PIPE,
+            stdout=PIPE,
+            stderr=DEVNULL,
+        )
+        finalize(self, _end, self._worker)
+        paths = {"hmm": str(models.acoustic), "dict": str(models.dictionary)}
+        request = {"path": sys.path, "settings": {**paths, **settings}}
+        self._start = json.dumps(request).encode() + b"\n"
+
+    def decode(self, samples: bytes) -> list[_Segment]:
+        """Return the segments of a sound in 16-bit samples."""
+        sent, given = self._worker.stdin, self._worker.stdout
+        assert sent is not None and given is not None  # noqa: S101, PT018 both are pipes
+        patience = LOADING_SECONDS + PATIENCE * len(samples) / 2 / SPEECH_RATE
+        late, began = Timer(patience, self._worker.kill), monotonic()
+        late.start()
+        try:
+            sent.write(self._start + b"%d\n" % len(samples) + samples)
+            sent.flush()
+            self._start = b""
+            return [_Segment(*one) for one in json.loads(given.readline())]
+        except (OSError, ValueError, TypeError):
+            hung = monotonic() - began >= patience
+            how = f"did not answer in {patience:.0f} s" if hung else "ended"
+            raise SpeechError(
+                f"pocketsphinx {how} with the model {self._models.acoustic}, which may be damaged; "
+                "copy its folder again, or name another model"
+            ) from None
+        finally:
+            late.cancel()
+
+
+def _end(worker: "subprocess.Popen[bytes]") -> None:
+    worker.kill()
+    worker.communicate()
+
+
+def _segments(models: Models, sound: Floats, kind: str, **settings: Any) -> list[_Segment]:
+    """Return the segments of this thread's decoder of a kind, which is loaded once."""
+    loaded: dict[tuple[Models, str], _Decoder] = threads.__dict__.setdefault("loaded", {})
     if (models, kind) not in loaded:
-        make = partial(Decoder, hmm=str(models.acoustic), dict=str(models.dictionary))
-        loaded[models, kind] = make(loglevel="FATAL", **settings)
-    decoder = loaded[models, kind]
-    decoder.reinit_feat()  # as good as new
-    # `process_raw` takes 16-bit bytes, and a peak above full scale would wrap round.
+        loaded[models, kind] = _Decoder(models, settings)
+    # a peak above full scale would wrap round
     samples = np.clip(np.rint(sound), -(2**15), 2**15 - 1).astype(np.int16)
-    decoder.start_utt()
-    decoder.process_raw(samples.tobytes(), full_utt=True)
-    decoder.end_utt()
-    # `seg` is None where nothing was recognised, and its items are valid only until the next sound.
-    return list(decoder.seg() or ())
+    try:
+        return loaded[models, kind].decode(samples.tobytes())
+    except SpeechError:
+        del loaded[models, kind]
+        raise
