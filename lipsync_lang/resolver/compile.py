@@ -377,8 +377,7 @@ def _posture(poseset: models.PoseSet) -> dict[str, Any]:
 
 def _delivery(manner: models.Delivery) -> dict[str, Any]:
     """Return a delivery as plain data."""
-    stated = {"styles": manner.styles, "dials": manner.dials, "gestures": manner.gestures}
-    return _plain(stated)
+    return _plain({"styles": manner.styles, "dials": manner.dials, "gestures": manner.gestures})
 
 
 def _gestures(poseset: Pack[models.PoseSet], words: models.GestureWords) -> dict[str, Any]:
@@ -413,14 +412,12 @@ def _gestures(poseset: Pack[models.PoseSet], words: models.GestureWords) -> dict
         for name, one in model.gestures.items()
     ]
     stated = {trigger: [*map(str.casefold, own)] for trigger, own in words}
-    made = {"poses": poses, "gestures": gestures, "words": stated, "front": model.front}
-    return _plain(made)
+    return _plain({"poses": poses, "gestures": gestures, "words": stated, "front": model.front})
 
 
 def _line(line: models.LineEdits) -> dict[str, Any]:
     """Return what a line states, except its curve edits, as plain data."""
-    stated: dict[str, Any] = _plain(line.model_dump(exclude={"edits"}, exclude_defaults=True))
-    return _delivery(line) | stated
+    return _delivery(line) | _plain(line.model_dump(exclude={"edits"}, exclude_defaults=True))
 
 
 ENOUGH = 0.9

@@ -431,7 +431,7 @@ def test_a_language_without_latin_letters_hears_words_in_them_from_a_voice(langu
     assert not letters.unread
 
 
-@pytest.mark.parametrize("language", ["mandarin", "thai", "vietnamese"])
+@pytest.mark.parametrize("language", ["japanese", "mandarin", "thai", "vietnamese"])
 def test_another_voice_starts_once_for_all_words_of_a_text(language, monkeypatch):
     pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
     starts, transcribe = [], EspeakProcess.transcribe
@@ -440,7 +440,7 @@ def test_another_voice_starts_once_for_all_words_of_a_text(language, monkeypatch
         "transcribe",
         lambda self, texts, voice: starts.extend(texts[:1]) or transcribe(self, texts, voice),
     )
-    before = "" if language == "vietnamese" else "我" if language == "mandarin" else "ฉัน "
+    before = {"japanese": "私は ", "mandarin": "我", "thai": "ฉัน "}.get(language, "")
     (said,) = Speaker.of(language).transcribe([f"{before}Photoshop Firefox Hamburg Facebook"])
     assert len(starts) == 1
     assert not said.unread

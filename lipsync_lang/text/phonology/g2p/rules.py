@@ -16,7 +16,7 @@ text, and their contexts fit around them.
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
-from itertools import accumulate
+from itertools import accumulate, chain
 from typing import NamedTuple
 
 from lipsync_lang.base.errors import SpeechError
@@ -31,7 +31,7 @@ from lipsync_lang.text.phonology.g2p.g2p_engines import (
     merged,
     respeller,
 )
-from lipsync_lang.text.phonology.g2p.tokens import pieces, plain, read_words
+from lipsync_lang.text.phonology.g2p.tokens import plain, read_words
 from lipsync_lang.text.phonology.labels import normalise
 
 _ABBREVIATION = re.compile("[^a-z]{,3}|[^AEIOUa-z]+")
@@ -81,14 +81,10 @@ class Rewriter:
 
     def _read(self, word: str) -> SpokenWord:
         """Return a word with its labels, and the characters left over."""
-        labels: list[str] = []
-        unread: list[str] = []
-        for _, made, letters in self.steps(word):
-            if made is None:
-                unread += [c for c in letters if c.isalnum()]
-            else:
-                labels += made
-        return SpokenWord(word, tuple(labels), unread="".join(unread))
+        steps = [*self.steps(word)]
+        labels = tuple(label for _, made, _ in steps for label in made or ())
+        left = (letters for _, made, letters in steps if made is None)
+        return SpokenWord(word, labels, unread="".join(filter(str.isalnum, chain(*left))))
 
     def steps(self, word: str) -> Iterator[tuple[int | None, tuple[str, ...] | None, str]]:
         """Yield (number of the rule or None, labels or None, letters) along a word."""
@@ -122,8 +118,10 @@ def engine(settings: Settings) -> G2PEngine:
     foreign = ForeignReader(settings)
 
     def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
-        if not (settings.readings or respell):
-            foreign.ahead(piece.text for text in texts for piece in pieces(text) if piece.text[1:])
+        if settings.foreign:
+            latin = (word for text in texts for word in _LATIN_WORD.findall(text) if word[1:])
+            whole = (word.lower() for word in latin if not _ABBREVIATION.fullmatch(word))
+            foreign.ahead(whole if settings.readings else latin)
         for text in texts:
             yield tuple(_read(text))
 
@@ -175,10 +173,9 @@ class ForeignReader:
         self._say([word for word in unmet if self._is_foreign(word)])
 
     def _is_foreign(self, word: str) -> bool:
-        if not self._settings.foreign or not _LATIN_WORD.fullmatch(word):
-            return False
         parts = re.split("[-']", plain(word)) if self._settings.native else [""]
-        return not (any(parts) and all(self._native.fit(part, 0, 0) for part in parts))
+        native = any(parts) and all(self._native.fit(part, 0, 0) for part in parts)
+        return bool(self._settings.foreign and _LATIN_WORD.fullmatch(word)) and not native
 
     def _say(self, words: Sequence[str]) -> None:
         voice = Settings(self._settings.language, self._settings.foreign_voice)
@@ -250,12 +247,10 @@ class StatedReading(NamedTuple):
 
     def spans(self, text: str) -> Iterator[tuple[int, int]]:
         """Yield where it applies in a text."""
-        at = text.find(self.letters)
-        while at >= 0:
-            stop = at + len(self.letters)
-            if self.around.fit(text, at, stop):
-                yield at, stop
-            at = text.find(self.letters, at + 1)
+        for found in re.finditer(f"(?={re.escape(self.letters)})", text):
+            start, stop = found.start(), found.start() + len(self.letters)
+            if self.around.fit(text, start, stop):
+                yield start, stop
 
 
 def compiled_readings(readings: Sequence[Rule]) -> tuple[StatedReading, ...]:
