@@ -298,10 +298,7 @@ def _gesture_bounds(
     speed, unit = gesture.speed(str(loc[-1])), "" if pose.node is None else " degrees"
     # floats of a curve that meets its limit exactly may exceed it by a digit
     if speed > pose.speed_limit * (1 + 1e-9):
-        what = (
-            f"'{loc[-1]}' moves by {speed:.3g}{unit} a second, faster than its limit of "
-            f"{pose.speed_limit:g}"
-        )
+        what = f"'{loc[-1]}' moves by {speed:.3g}{unit} a second; its limit is {pose.speed_limit:g}"
         hint = "give the curve more seconds, lower the amount, or raise `speed_limit`"
         yield poseset.fault(loc, "P233", what, hint)
 

@@ -95,13 +95,12 @@ class _Validation:
             if path.suffix == finding.PACK_SUFFIXES[0]:
                 self.check_file(*_placed(path))
             else:
-                self._warn(path, "W303", "is not read, because packs end in `.yaml`", "rename it")
+                self._warn(path, "is not read, because packs end in `.yaml`", "rename it")
         if folder.name == finding.FOLDERS["poseset"]:
             for entry in finding.entries(folder):
                 parts = [finding.POSESET, *finding.PART_FOLDERS]
                 if entry.is_dir() and not any((entry / part).exists() for part in parts):
-                    what = f"has no {finding.POSESET}"
-                    self._warn(entry, "W303", what, "write one, or delete it")
+                    self._warn(entry, f"has no {finding.POSESET}", "write one, or delete it")
 
     def check_file(self, path: Path, kind: str | None, name: str | None) -> None:
         """Check one file against its model, then against other packs."""
@@ -122,13 +121,12 @@ class _Validation:
         if model is None:
             return
         before = set(self.faults)
-        if isinstance(model, Language):
-            # labels of a parent are unknown here, and would seem to be missing
-            if model.extends is None and self.common is not None:
-                pack = Pack(model, (source,))
-                self.faults.update(checks.check_language(pack, self.common.model))
-        else:
+        if not isinstance(model, Language):
             self._compare(Pack(model, (source,)))
+        # labels of a parent are unknown here, and would seem to be missing
+        elif model.extends is None and self.common is not None:
+            found = checks.check_language(Pack(model, (source,)), self.common.model)
+            self.faults.update(found)
         # Drop warnings: they may be caused by the entries left out.
         self.faults = before | {f for f in self.faults if f.severity == "fault"}
 
@@ -266,8 +264,8 @@ class _Validation:
                     hint = "choose another name, unless you mean to"
                     self.faults.add(Pack(model, (source,)).warning(("name",), "W323", what, hint))
 
-    def _warn(self, path: Path, code: str, what: str, hint: str) -> None:
-        self.faults.add(Fault(shown(path), 1, 1, code, f"'{path.name}' {what}", hint, "warning"))
+    def _warn(self, path: Path, what: str, hint: str) -> None:
+        self.faults.add(Fault(shown(path), 1, 1, "W303", f"'{path.name}' {what}", hint, "warning"))
 
     def _try(self, load: Callable[[], T]) -> T | None:
         try:
