@@ -267,8 +267,7 @@ class Performance:
         for (_, held), (least, most) in zip(self.held, self.prepared.levels, strict=True):
             here = held[begin : begin + curves.shape[1]]
             if some.size and here.any():
-                far = np.where(here, 0, len(here) * step)[None]
-                away = lower_envelope(far, step)
+                away = lower_envelope(np.where(here, 0, len(here) * step)[None], step)
                 row = np.minimum(curves[some], most[some] + away)
                 curves[some] = np.maximum(row, least[some] - away)
 

@@ -220,16 +220,9 @@ def _rules(language: Pack[models.Language]) -> Iterator[Fault]:
     rules = [Rule(r.spelling, r.to, r.before, r.after) for r in g2p.rules]
     labels = language.model.notations.get(language.model.g2p_notation, {})
     known = {normalise(label) for label in labels}
-    unknown = [
-        (field, number, label)
-        for field, made in (
-            ("rules", [one.to for one in g2p.rules]),
-            ("corrections", [one.to for one in g2p.corrections]),
-        )
-        for number, to in enumerate(made)
-        for label in to
-        if normalise(label) not in known
-    ]
+    made = [("rules", n, one.to) for n, one in enumerate(g2p.rules)]
+    made += [("corrections", n, one.to) for n, one in enumerate(g2p.corrections)]
+    unknown = [(f, n, one) for f, n, to in made for one in to if normalise(one) not in known]
     # a language that is mapped by features has no labels of its own
     for field, number, label in unknown if labels else ():
         what = f"'{label}' is not in the notation '{language.model.g2p_notation}'"
@@ -278,13 +271,11 @@ def _tests(language: Pack[models.Language], shades: Mapping[str, models.Shade]) 
     notation = notation_of(language.model, IPA)
     for index, test in enumerate(language.model.tests):
         loc: Loc = ("tests", index, IPA)
-        heard: list[str] = []
         unknown = [label for label in test.ipa.split() if notation.find(label) is None]
         for label in unknown if not language.model.automatic else ():
             what = f"'{label}' is not in the notation '{IPA}'"
             yield language.fault(loc, "P218", what, notation.suggest(label))
-        for label in test.ipa.split():
-            heard += [name for name, _ in notation.find(label) or ()]
+        heard = [n for label in test.ipa.split() for n, _ in notation.find(label) or ()]
         if test.ipa and not unknown and not test.accepts(heard, shades):
             what = (
                 f"/{test.ipa}/ becomes {' '.join(heard)}, not {' '.join(test.phonemes)}, "

@@ -57,6 +57,10 @@ threads = local()
 """Decoders; each takes a second to load and some 100 MB, and serves one thread at a time."""
 
 
+Segment = tuple[str, int, float]
+"""A word or phoneme of a decoder, its first frame, and its posterior probability."""
+
+
 class DecodedWord(NamedTuple):
     """A word of the dictionary with its posterior probability."""
 
@@ -87,7 +91,7 @@ def decoded_words(models: Models, sound: Floats) -> list[DecodedWord]:
     """Return the recognised words; entries outside the dictionary are pauses or noises."""
     language = str(models.language_model)
     found = _segments(models, sound, "words", lm=language, maxhmmpf=MAX_ACTIVE_STATES)
-    named = [DecodedWord(VARIANT.sub("", one.word), min(one.prob, 1.0)) for one in found]
+    named = [DecodedWord(VARIANT.sub("", word), min(prob, 1.0)) for word, _, prob in found]
     ways = models.ways(word.text for word in named)
     return [word for word, known in zip(named, ways, strict=True) if known]
 
@@ -97,20 +101,12 @@ def decoded_phones(models: Models, sound: Floats) -> list[HeardPhoneme]:
     settings = {"lw": PHONE_WEIGHT, "beam": PHONE_BEAM, "pbeam": PHONE_BEAM}
     language = str(models.folder / f"{models.folder.name}-phone.lm.bin")
     found = _segments(models, sound, "phones", allphone=language, **settings)
-    names = [(one.word, one.start_frame) for one in found] or [("", 0)]
+    names = [(word, first) for word, first, _ in found] or [("", 0)]
     stops = [first for _, first in names[1:]] + [-(-len(sound) // HOP_SAMPLES)]
     return [
         HeardPhoneme(OUTSIDE, models.numbers.get(name, OUTSIDE), first, stop, 0.0)
         for (name, first), stop in zip(names, stops, strict=True)
     ]
-
-
-class _Segment(NamedTuple):
-    """A word or phoneme that a decoder heard."""
-
-    word: str
-    start_frame: int
-    prob: float
 
 
 class _Decoder:
@@ -129,7 +125,7 @@ class _Decoder:
         request = {"path": sys.path, "settings": {**paths, **settings}}
         self._start = json.dumps(request).encode() + b"\n"
 
-    def decode(self, samples: bytes) -> list[_Segment]:
+    def decode(self, samples: bytes) -> list[Segment]:
         """Return the segments of a sound in 16-bit samples."""
         sent, given = self._worker.stdin, self._worker.stdout
         assert sent is not None and given is not None  # noqa: S101, PT018 both are pipes
@@ -140,7 +136,8 @@ class _Decoder:
             sent.write(self._start + b"%d\n" % len(samples) + samples)
             sent.flush()
             self._start = b""
-            return [_Segment(*one) for one in json.loads(given.readline())]
+            heard = json.loads(given.readline())
+            return [(str(word), int(first), float(prob)) for word, first, prob in heard]
         except (OSError, ValueError, TypeError):
             hung = monotonic() - began >= patience
             how = f"did not answer in {patience:.0f} s" if hung else "ended"
@@ -157,7 +154,7 @@ def _end(worker: "subprocess.Popen[bytes]") -> None:
     worker.communicate()
 
 
-def _segments(models: Models, sound: Floats, kind: str, **settings: Any) -> list[_Segment]:
+def _segments(models: Models, sound: Floats, kind: str, **settings: Any) -> list[Segment]:
     """Return the segments of this thread's decoder of a kind, which is loaded once."""
     loaded: dict[tuple[Models, str], _Decoder] = threads.__dict__.setdefault("loaded", {})
     if (models, kind) not in loaded:
