@@ -571,7 +571,8 @@ def faults() -> str:
             "  hint: did you mean 'bmp'?\n```"
         ),
         (
-            "A code never changes its meaning. A pack with a P code cannot be used. A W code is a "
+            "A code never changes its meaning. A pack with a P code is refused, unless the code is "
+            "about what the pack claims: its tests (P221) or its inventory (P220). A W code is a "
             "warning, and the pack stays valid."
         ),
     ]

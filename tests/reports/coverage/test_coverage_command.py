@@ -236,6 +236,13 @@ def test_a_terminal_is_told_how_far_it_is(cli, monkeypatch):
     assert ended.err == "\x1b[2K0 lines, script.txt\r\x1b[2K\r"
 
 
+def test_lines_of_one_phoneme_have_no_bigram_but_are_read(cli, packs):
+    write(packs / "script.txt", "a\nu\n")
+    ended = run(cli)
+    assert "no bigram is in these lines" in ended.out
+    assert "reads nothing" not in ended.out
+
+
 def test_a_language_that_does_not_read_says_so(cli, packs):
     silent = "".join(x for x in LANGUAGE.splitlines(keepends=True) if "g2p" not in x)
     write(packs / "languages/toy.yaml", silent)

@@ -87,7 +87,7 @@ def _corpus(corpus: Corpus) -> Iterator[str]:
 
 def _next(report: CoverageReport, minutes: float) -> Iterator[str]:
     if not report.bigrams:
-        yield "the language reads nothing in these lines"
+        yield f"{'no bigram is' if report.words else 'the language reads nothing'} in these lines"
         return
     if not report.left.bigrams:
         yield "next: nothing; every bigram of these lines is authored"
