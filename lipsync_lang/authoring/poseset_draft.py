@@ -36,6 +36,7 @@ from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
 from lipsync_lang.packs.models.rig_models import pose_names
 from lipsync_lang.packs.yaml.value_text import as_scalar, on_one_line
 from lipsync_lang.pipeline.motion import PRESETS
+from lipsync_lang.resolver.solving import solved_face
 
 STRONG = 0.8
 """Weight of a guessed pose at the sounds assigned to it."""
@@ -66,6 +67,8 @@ class PoseSetWish(PackWish):
     """models.Pose set for the targets; its poses are used if neither names nor shapes are given."""
     guess: bool = False
     """Assign sounds to unknown poses instead of targets at rest."""
+    solve: bool = False
+    """Solve the targets on the model, so that they give the mouth of each sound there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +106,8 @@ def draft(library: Library, wanted: PoseSetWish, folder: Path = Path()) -> PoseS
             raise LipsyncError(f"{name!r} cannot be the name of a pose; choose another name")
     common = library.common().model
     made, why, origin = _made(names, sets, common, guess=wanted.guess)
+    if wanted.solve:
+        made, origin = _solved(made, wanted.model, common), f"{origin}, solved on the model"
     left = [name for name in names if name not in made.poses]
     stated, copies = place_model(wanted.model, path) if wanted.model is not None else (None, {})
     own = {"name": wanted.name, "title": wanted.heading, "model": stated}
@@ -115,6 +120,17 @@ def draft(library: Library, wanted: PoseSetWish, folder: Path = Path()) -> PoseS
     ]
     outputs: NewFiles = {path: pack_bytes(poseset_lines(made, common, why, left)), **copies}
     return PoseSetDraft(path, outputs, "; ".join(said))
+
+
+def _solved(made: models.PoseSet, path: Path | None, common: models.Phonemes) -> models.PoseSet:
+    """Return a pose set whose targets are solved on a model."""
+    if path is None:
+        raise LipsyncError("targets are solved on a model; name it with --model")
+    face = solved_face(made, common.mouths(), read_model(path))
+    if face is None:
+        what = "its mouth cannot be measured, so no target is solved on it; leave out --solve"
+        raise LipsyncError(f"{path}: {what}")
+    return made.model_copy(update={"targets": {**made.targets, **face.targets}})
 
 
 def _sets(library: Library, like: str | None) -> list[models.PoseSet]:

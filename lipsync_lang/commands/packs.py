@@ -74,8 +74,8 @@ def _add_posesets(add: Add) -> None:
     option(
         new, "--like POSESET", "copy the motion of known poses from this pose set [the best match]"
     )
-    guessed = "assign sounds to unknown poses by a first guess"
-    flag(new, "--guess", guessed)
+    flag(new, "--guess", "assign sounds to unknown poses by a first guess")
+    flag(new, "--solve", "solve the targets on the model, for the mouth of each sound")
     option(new, "--title TITLE", "its title in lists")
 
 
@@ -182,7 +182,7 @@ def _new_poseset(library: "Library", options: Namespace) -> "PackDraft":
         raise LipsyncError("name the new pose set, and its poses: posesets new NAME POSE ...")
     wanted = PoseSetWish(
         options.name, poses=options.poses, model=options.model, like=options.like,
-        title=options.title, guess=options.guess,
+        title=options.title, guess=options.guess, solve=options.solve,
     )  # fmt: skip
     return draft(library, wanted)
 

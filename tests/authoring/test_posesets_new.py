@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from face_models import ARKIT, face
 from lanes import full, swept
 from packs_tree import TREE, plant, put
 from shipped import POSESETS
@@ -12,11 +13,13 @@ from small_models import glb
 from lipsync_lang.authoring.poseset_draft import MAX_SCREEN_LINES, PoseSetWish, draft, guessed
 from lipsync_lang.base.errors import LipsyncError, PackError
 from lipsync_lang.faces.rigs.driver import bare
+from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.faces.rigs.shape_matching import placed
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Pose, PoseSet
 from lipsync_lang.packs.models.rig_models import pose_names
+from lipsync_lang.resolver.solving import pose_gains
 
 
 def new(cli, *arguments):
@@ -99,6 +102,37 @@ def test_sounds_that_shut_are_those_of_a_shut_mouth(folder):
     assert "closure: {phonemes: [p], ceiling: {zz: 0.1}}" in text
     assert "p:   {zz: 0}" in text
     assert not (folder / "posesets/thing").exists(), "drafting alone writes nothing"
+
+
+def test_targets_may_be_solved_on_the_model(folder, cli):
+    face(folder / "head.glb", *ARKIT)
+    said, declared = new(cli, "plain", "--model", "head.glb")
+    assert "solved" not in said
+    said, model = new(cli, "thing", "--model", "head.glb", "--solve")
+    assert "with the targets of arkit, solved on the model" in said
+    gains = pose_gains(model, read_model(folder / "head.glb"))[0]
+    for name in ("aa", "eh", "kg"):
+        (weights,) = (step.weights for step in model.targets[name])
+        opens = gains @ [weights.get(pose, 0) for pose in model.poses]
+        wanted = Library(project=None).common().model.phonemes[name].mouth[0].aperture
+        assert opens == pytest.approx(wanted, abs=0.03), name
+    assert model.contacts == declared.contacts
+    assert cli("validate", "posesets/thing").code == 0
+
+
+@pytest.mark.parametrize(
+    ("more", "why"),
+    [
+        (["jawOpen"], "targets are solved on a model; name it with --model"),
+        (["--model", "flat.glb"], "flat.glb: its mouth cannot be measured"),
+    ],
+)
+def test_targets_that_cannot_be_solved_are_told(folder, cli, more, why):
+    glb(folder / "flat.glb", "jawOpen")
+    ended = cli("posesets", "new", "thing", *more, "--solve")
+    assert ended.code == 2
+    assert why in ended.err
+    assert not (folder / "posesets").exists()
 
 
 @pytest.mark.usefixtures("folder")
