@@ -10,10 +10,9 @@ from typing import TextIO
 
 from lipsync_lang.animations.writers import Animation, writer
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.writers.audacity import label_track_text
-from lipsync_lang.schedules.writers.csv import table_text
 from lipsync_lang.schedules.writers.elan import elan_text
 from lipsync_lang.schedules.writers.json import json_text
+from lipsync_lang.schedules.writers.tables import label_track_text, table_text
 from lipsync_lang.schedules.writers.textgrid import textgrid_text
 
 

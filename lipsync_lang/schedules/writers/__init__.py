@@ -13,10 +13,9 @@ place there. All but JSON leave out times before zero.
 from collections.abc import Callable
 
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.writers.audacity import label_track_text
-from lipsync_lang.schedules.writers.csv import table_text
 from lipsync_lang.schedules.writers.elan import elan_text
 from lipsync_lang.schedules.writers.json import json_text
+from lipsync_lang.schedules.writers.tables import label_track_text, table_text
 from lipsync_lang.schedules.writers.textgrid import textgrid_text
 
 TIMING_WRITERS: dict[str, Callable[[Schedule], str]] = {

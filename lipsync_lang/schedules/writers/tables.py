@@ -1,6 +1,6 @@
-"""Timings as a table of comma-separated values, for spreadsheets.
+"""Timings as a table of comma-separated values, for spreadsheets, and as Audacity's label track.
 
-A label that begins like a formula gets an apostrophe, which the reader of tables removes.
+A label that begins like a formula gets an apostrophe there, which the reader of tables removes.
 """
 
 import csv
@@ -8,7 +8,7 @@ from io import StringIO
 
 from lipsync_lang.base.files.quoting import spreadsheet_text
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.tiers import CONFIDENCE_TIER, tiers_of
+from lipsync_lang.schedules.tiers import CONFIDENCE_TIER, TIME_DIGITS, tiers_of
 
 
 def table_text(schedule: Schedule) -> str:
@@ -25,3 +25,11 @@ def table_text(schedule: Schedule) -> str:
             rate = rated.get(start, "") if kind == "words" else ""
             rows.writerow([start, end, spreadsheet_text(label), kind, *([rate] if sure else [])])
     return out.getvalue()
+
+
+def label_track_text(schedule: Schedule) -> str:
+    """Return the phonemes of a schedule as a label track for Audacity; its words are left out."""
+    spans = tiers_of(schedule)["phones"]
+    return "".join(
+        f"{start:.{TIME_DIGITS}f}\t{end:.{TIME_DIGITS}f}\t{label}\n" for label, start, end in spans
+    )
