@@ -56,7 +56,6 @@ NO_TARGET = {
     "packs/finding.py": "looks for names with a pattern; the packs are targets",
     "packs/yaml/faults.py": "its own table of codes",
     "text/phonology/espeak": "pipes of our own",
-    "plugins/g2p/niqqud.py": "a model of our own",
     "render/model/scene.py": "pictures within models, which are a target",
     "render/sheet.py": "stills of our own; models are a target",
     "render/staging.py": "writes",

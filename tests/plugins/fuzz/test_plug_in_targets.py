@@ -7,6 +7,7 @@ NO_TARGET = {
     "plugins/capture/capture_reading.py": "plain text; timings are targets",
     "plugins/capture/fit_command.py": "writes",
     "plugins/festival/festival_engine.py": "what a program of the user's has written",
+    "plugins/g2p/niqqud.py": "a model of our own",
     "plugins/heads/face_model.py": "a licence in a mesh, whose lines have tests of their own",
     "plugins/heads/obj_files.py": "numbers by lines; damaged ones have tests of their own",
     "plugins/htk/htk_files.py": "an acoustic model, which the user names",
