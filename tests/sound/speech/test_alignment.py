@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lanes import full, swept
+from lanes import full, needs_plug_ins, swept
 from shipped import LANGUAGES
 
 import lipsync_lang as ll
@@ -295,6 +295,7 @@ def test_words_that_are_said_are_kept_though_the_model_hears_them_badly(language
     assert found.left_out == ()
 
 
+@needs_plug_ins
 @pytest.mark.parametrize(
     ("language", "text"),
     swept(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lanes import full, swept
+from lanes import full, needs_plug_ins, swept
 
 from lipsync_lang import SpeechError, resolve, speak
 from lipsync_lang.authoring.printing import transcript_table
@@ -320,6 +320,7 @@ def test_what_is_mapped_automatically_says_what_it_loses(ruled):
     ]
 
 
+@needs_plug_ins
 def test_a_hebrew_voice_speaks_the_sounds_of_the_guessed_points():
     pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
     schedule = speak("בעולמות", "hebrew")
