@@ -191,7 +191,7 @@ class SpokenLine:
             raise LipsyncError(f"there is no word {number}; the line leaves out {len(lacking)}")
         marked = with_mark(text, [one.text for one in self.whole.words], lacking, number)
         if marked is None:
-            what = f"'{lacking[number]}' is written otherwise in the text"
+            what = f"'{lacking[number]}' is written in another way in the text"
             raise LipsyncError(f"{what}; put its word in asterisks there, and open the sound again")
         return marked
 

@@ -60,7 +60,7 @@ GAIN_FRAMES = 2
 
 STEADY_FRAMES, STEADY_DEVIATION = 50, 0.45
 """Frames over which the logarithms of the bands hardly change in a steady noise, and their greatest
-mean standard deviation: white noise and hum have 0.36 at most, voices and music 0.6 or more."""
+mean standard deviation. White noise and hum have 0.36 at most, voices and music 0.6 or more."""
 
 MIN_NOISE_FRAMES = 100
 """Fewest frames of a loud steady noise beside a voice."""
