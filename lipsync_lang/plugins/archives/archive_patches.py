@@ -27,6 +27,7 @@ def merged(paths: Iterable[Path]) -> dict[str, bytes]:
 def difference(old: TakesFile, new: TakesFile) -> bytes:
     """Return the patch that makes the old archive the new one."""
     changed = {name: one for name, one in new.takes.items() if old.takes.get(name) != one}
+    # a take without bytes is one that was removed
     gone = dict.fromkeys(old.takes.keys() - new.takes.keys(), b"")
     return encoded({**changed, **gone}, (_identity(old.takes), _identity(new.takes)))
 
@@ -42,6 +43,7 @@ def patched(path: Path, patch: Path) -> dict[str, bytes]:
     if _identity(old.takes) != change.patch[0]:
         raise OutputError(f"{path}: is not the archive that {patch} was made for")
     takes = {name: one for name, one in {**old.takes, **change.takes}.items() if one}
+    # the old archive fits, so the patch itself is damaged
     if _identity(takes) != change.patch[1]:
         raise OutputError(f"{patch}: makes another archive than it states; make it again")
     return takes
