@@ -200,7 +200,7 @@ assert PLACES["character"] in TREE
 
 SCAN, VALIDATED = library.scan, validation.validated
 KEPT_SCAN, KEPT_VALIDATED = cache(SCAN), cache(VALIDATED)
-"""Readers that keep what they read; they serve the sound files beside the damaged one."""
+"""Sound packs beside the damaged one are read once, and their contents are kept."""
 
 
 def _placed(kind: str, folder: Path, suffix: str) -> Path:
