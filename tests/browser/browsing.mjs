@@ -7,8 +7,8 @@ const FLAGS = [
   "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
   "--disable-sync",
 ];
-/** Flags of a browser that draws WebGL in software. */
-export const WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+/** Flags of a browser that draws WebGL in software, and pages without it: as WebGL they cost twice the time. */
+export const WEBGL = ["--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader"];
 /** Flags of a browser that draws no WebGL; without a GPU alone it would draw it in software. */
 export const FLAT = ["--disable-gpu", "--disable-3d-apis"];
 const TYPES = {

@@ -19,6 +19,10 @@ const said = [], asked = [], wide = [], faint = [];
 async function context(options) {
   const made = await browser.newContext(options);
   const page = await made.newPage();
+  await page.addInitScript(() => { // colours are judged as they stay, and no frame of a change is painted
+    const still = Object.assign(document.createElement("style"), { textContent: "* { transition: none !important }" });
+    addEventListener("DOMContentLoaded", () => document.head.append(still));
+  });
   watch(page, said, asked);
   return page;
 }
@@ -46,8 +50,11 @@ const contrast = (page) => page.evaluate(() => {
     return seen.get(colour);
   };
   const over = (top, below) => top.slice(0, 3).map((c, n) => c * top[3] + below[n] * (1 - top[3]));
-  const behind = (one) => one === null ? [255, 255, 255]
-    : over(rgba(getComputedStyle(one).backgroundColor), behind(one.parentElement));
+  const backs = new Map([[null, [255, 255, 255]]]); // parts of a page share what they stand on
+  const behind = (one) => {
+    if (!backs.has(one)) { backs.set(one, over(rgba(getComputedStyle(one).backgroundColor), behind(one.parentElement))); }
+    return backs.get(one);
+  };
   const light = (colour) => {
     const [r, g, b] = colour.map((c) => c / 255 <= 0.04045 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4);
     return 0.2126 * r + 0.7152 * g + 0.0722 * b;
@@ -95,6 +102,7 @@ try {
   for (const name of pages) {
     await reader.goto(url(name));
     for (const [size, colorScheme] of views) { await look(reader, name, size, colorScheme); }
+    views.reverse(); // the next page opens as this one ends, which saves it a layout
   }
   const page = await context({ viewport: sizes.desk });
   await page.goto(url(pages[0]));
