@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain, pairwise
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 from weakref import WeakKeyDictionary
@@ -25,7 +25,7 @@ from lipsync_lang.performing.effort import (
     VOWEL_MANNER,
     stresses_of,
 )
-from lipsync_lang.performing.label_sounds import UNMARKED, LabelSounds, LabelTable, ValueTable
+from lipsync_lang.performing.label_sounds import UNMARKED, LabelSounds, LabelTable, sounds_of
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.text.phonology.g2p.g2p_engines import Correction, SpokenWord
 from lipsync_lang.text.phonology.g2p.tokens import plain
@@ -109,40 +109,31 @@ class LabelReader:
                     f"{one!a:.60} is no schedule: pass ll.speak(TEXT, LANGUAGE), "
                     "ll.align(RECORDING, TEXT, LANGUAGE) or ll.read_schedule(FILE)"
                 )
-        heard = [self._heard.get(one) for one in schedules]
-        new = [one for one, known in zip(schedules, heard, strict=True) if known is None]
-        if new:
-            values, marks = self._read_all(new)
-            found = self._sounds.sounds(values, marks, [one.times for one in new])
-            for schedule, sounds in zip(new, found, strict=True):
-                if sounds is None:
-                    raise ScheduleError(
-                        f"{schedule.source}: none of its labels has a sound; "
-                        "check the labels and their notation"
-                    )
-                self._heard[schedule] = sounds
-            heard = [self._heard[one] for one in schedules]
-        return [known for known in heard if known is not None]
+        for one in schedules:
+            if one not in self._heard:
+                self._heard[one] = self._sounds(one)
+        return [self._heard[one] for one in schedules]
 
-    def _read_all(self, schedules: Sequence[Schedule]) -> tuple[Ints, Ints]:
-        """Return numbers of values and marks of all labels: (n,) each."""
-        notations = [self.notation(one) for one in schedules]
-        simple = not any(one.stress or self._has_own_words(one) for one in schedules)
-        if simple and all(notation is notations[0] for notation in notations):
-            labels = list(chain.from_iterable(self._labels(one, notations[0]) for one in schedules))
-            values, marks = self._table(notations[0]).read(labels)
-            if values.min() >= 0:
-                return values, marks
-        each = []
-        for schedule, notation in zip(schedules, notations, strict=True):
-            values, marks = self._table(notation).read(self._labels(schedule, notation))
-            if values.min() < 0 or self._has_own_words(schedule):
-                values = np.array([self._sounds.number(value) for value in self.values(schedule)])
-            if schedule.stress:
-                marks = np.array([UNMARKED if one is None else one for one in schedule.stress])
-            each.append((values, marks))
-        values, marks = (np.concatenate(column) for column in zip(*each, strict=True))
-        return values, marks
+    def _sounds(self, schedule: Schedule) -> LabelSounds:
+        """Map the labels of a schedule."""
+        notation = self.notation(schedule)
+        table, labels = self._table(notation), self._labels(schedule, notation)
+        ids, marks = table.read(labels)
+        if schedule.stress:
+            marks = np.array([UNMARKED if one is None else one for one in schedule.stress])
+        own = self._has_own_words(schedule)
+        if ids is not None and not own:
+            return LabelSounds(ids, schedule.times, np.arange(len(ids)), marks)
+        values = [value for label in labels if (value := table.found[label]) is not None]
+        if own or len(values) < len(labels):
+            values = self.values(schedule)
+        sounds = sounds_of(values, schedule.times, marks, self.numbers)
+        if sounds is None:
+            raise ScheduleError(
+                f"{schedule.source}: none of its labels has a sound; "
+                "check the labels and their notation"
+            )
+        return sounds
 
     def _labels(self, schedule: Schedule, notation: Notation) -> Sequence[str]:
         """Return the labels of a schedule as the language reads them beside each other."""
@@ -159,6 +150,8 @@ class LabelReader:
     @cached_property
     def _corrections(self) -> tuple[Correction, ...]:
         """Corrections that hold for labels of timings."""
+        if not self.compiled.manner["settings"]["corrections"]:
+            return ()
         from lipsync_lang.text.phonology.manner import Manner
 
         settings = Manner.from_plain(self.compiled.manner).settings
@@ -167,7 +160,7 @@ class LabelReader:
     def _table(self, notation: Notation) -> LabelTable:
         table = self._tables.get(id(notation))
         if table is None:
-            table = self._tables.setdefault(id(notation), LabelTable(notation, self._sounds))
+            table = self._tables.setdefault(id(notation), LabelTable(notation, self.numbers))
         return table
 
     def automatic(self, schedule: Schedule) -> dict[str, Nearest]:
@@ -333,10 +326,6 @@ class LabelReader:
         """(N,) of each common phoneme: 0 for silence, 2 for a vowel, 1 for other sounds."""
         manners = {"": SILENT_MANNER, VOWEL: VOWEL_MANNER}
         return np.array([manners.get(kind, CONSONANT_MANNER) for kind in self.kinds], np.intp)
-
-    @cached_property
-    def _sounds(self) -> ValueTable:
-        return ValueTable(self.numbers)
 
     @cached_property
     def _tables(self) -> dict[int, LabelTable]:

@@ -453,7 +453,7 @@ def _animate(
     moving = asked.get("gestures")
     if moving:
         from lipsync_lang.performing import gesturing
-    out = []
+    out, tables = [], None
     for asked_for, sounds, line in zip(schedules, read, names, strict=True):
         schedule = without_gaps(performer, asked_for, sounds)
         settings = {"line": line, **asked}
@@ -463,8 +463,11 @@ def _animate(
         else:
             made = said.performance(performer, sounds, fps)
             times, weights = made.frames.times(), made.weights()
-        channels = performer.shown_channels(said.tables)
-        poses = tuple(channel.name for channel in channels)
+        if said.tables is not tables:
+            tables = said.tables
+            shown = performer.shown_channels(tables)
+            names_shown = tuple(channel.name for channel in shown)
+        poses, channels = names_shown, shown
         scales = gesturing.scales_of(performer.compiled, moving, line) if moving else None
         if scales is not None:
             line_at = performer, schedule, times, fps
@@ -472,16 +475,16 @@ def _animate(
             weights = np.concatenate((weights, curves), axis=1)
             poses += performer.gesture_set.poses
             channels += performer.gesture_channels
-        animation = Animation(
-            times,
-            poses,
-            weights,
-            fps,
-            schedule,
-            PerformedLine(performer, settings),
+        animation = Animation.filled(
+            times=times,
+            poses=poses,
+            weights=weights,
+            fps=fps,
+            schedule=schedule,
+            source=PerformedLine(performer, settings),
             channels=channels,
             model=performer.model,
-            neutral=performer.compiled.neutral,
+            neutral=compiled.neutral,
             contacts=dict(performer.contact_floors),
         )
         out.append(animation)
