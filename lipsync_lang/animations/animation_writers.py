@@ -90,11 +90,11 @@ def find_writer(path: Path, name: str | None = None) -> Writer:
         return WRITERS.find(name, OutputError)
     if path == STANDARD_STREAM:
         raise OutputError("-: standard output has no suffix; name the format, such as csv:-")
-    found = WRITERS.ending(path)
-    if not found:
+    found = WRITERS.first(path)
+    if found is None:
         what = f"no writer for '{path.suffix}'" if path.suffix else "has no suffix"
         raise OutputError(f"{path}: {what}; use one of {', '.join(WRITERS.suffixes())}")
-    return found[0]
+    return found
 
 
 def parse_output(text: str) -> tuple[Path, Writer]:

@@ -169,12 +169,21 @@ class Extensions(Mapping[str, T]):
     def __getitem__(self, name: str) -> T:
         if name in self.modules:
             import_module(self.modules[name])
-        elif name not in self.built_in():
+        elif not self._alone(name) and name not in self.built_in():
             self._plug_in()
         return self.known[name]
 
     def __contains__(self, name: object) -> bool:
-        return name in self.modules or name in self.built_in() or name in self._plug_in()
+        alone = name in self.modules or self._alone(name)
+        return alone or name in self.built_in() or name in self._plug_in()
+
+    def _alone(self, name: object) -> bool:
+        """Import the built-in module of a name without those beside it; return True if known."""
+        if self.package is not None and str(name).isidentifier() and not str(name).startswith("_"):
+            module = f"{self.package}.{name}"
+            if find_spec(module) is not None:
+                import_module(module)
+        return name in self.known
 
     def __iter__(self) -> Iterator[str]:
         self.built_in()
@@ -237,6 +246,15 @@ class Formats(Extensions[F]):
         if not found or len(path.suffixes) > 1:
             found = _ending(path, self)
         return found
+
+    def first(self, path: Path) -> F | None:
+        """Return the first format of `ending`; the one that is named after a suffix leads."""
+        name = path.suffix[1:].lower()
+        if len(path.suffixes) == 1 and self._alone(name):
+            named = self.known[name]
+            if f".{name}" in named.suffixes:
+                return named
+        return next(iter(self.ending(path)), None)
 
     def suffixes(self) -> list[str]:
         """Return all known suffixes, sorted."""

@@ -40,9 +40,7 @@ class Extra(NamedTuple):
 @cache
 def extras() -> tuple[Extra, ...]:
     """Return all extras, in the order of their file."""
-    from importlib.resources import files  # slow, and only some commands need it
-
-    text = files(__package__ or "lipsync_lang").joinpath("extras.json").read_text("utf-8")
+    text = Path(__file__).with_name("extras.json").read_text("utf-8")
     return tuple(
         Extra(name, **one | {"modules": tuple(one["modules"]), "provides": tuple(one["provides"])})
         for name, one in json.loads(text).items()

@@ -77,10 +77,9 @@ def run(options: Namespace) -> int:
     """Animate a line, and write it to all requested outputs."""
     from lipsync_lang.animations.animation import ExportSettings
     from lipsync_lang.animations.animation_writers import parse_output
-    from lipsync_lang.animations.keys import parse_keys
     from lipsync_lang.packs.finding import is_model
 
-    error, lines = parse_keys(options.keys) if options.keys is not None else (None, False)
+    error, lines = _keys(options.keys)
     writers = dict(map(parse_output, options.output))
     # With the list as given: in the dictionary, the second of two equal outputs hides the first.
     _refuse_same(options, [path for path, _ in map(parse_output, options.output)])
@@ -93,7 +92,8 @@ def run(options: Namespace) -> int:
     formats |= {str(options.plot): ["plot"]} if options.plot else {}
     schedule = schedule_for(options, performer, formats)
     # takes of other methods have no gestures, and a comparison is of the lips
-    usual = None if options.against else "all"
+    watched = any(writer.shows for writer in writers.values())
+    usual = "all" if watched and not options.against else None
     animation = perform_line(options, performer, schedule, usual)
     offset = parse_offset(options.offset, animation.fps)
     shown = replace(
@@ -137,6 +137,15 @@ def run(options: Namespace) -> int:
 
         print(check(spoken), file=sys.stderr)
     return SOUND
+
+
+def _keys(text: str | None) -> tuple[float | None, bool]:
+    """Parse `--keys`, without an import if it is not given."""
+    if text is None:
+        return None, False
+    from lipsync_lang.animations.keys import parse_keys
+
+    return parse_keys(text)
 
 
 def _against(

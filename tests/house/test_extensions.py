@@ -3,6 +3,7 @@
 import os
 import sys
 import warnings
+from pathlib import Path
 
 import pytest
 from lanes import full
@@ -188,6 +189,13 @@ def test_a_plug_in_that_fails_in_use_is_named_without_a_traceback(
     assert "the plug-in takes failed: KeyError: 'shoulder'" in said
     assert "Traceback" not in said
     assert sorted(path.name for path in tmp_path.iterdir()) == ["line.csv", "site"]
+
+
+def test_the_writer_of_a_suffix_is_the_first_of_all_that_write_it():
+    assert WRITERS.suffixes()
+    for suffix in WRITERS.suffixes():
+        path = Path(f"line{suffix}")
+        assert find_writer(path) is WRITERS.ending(path)[0]
 
 
 @every_kind

@@ -77,6 +77,18 @@ def test_performing_a_schedule_needs_no_speech_and_no_pictures():
     assert not rare & modules_after(code)
 
 
+def test_a_run_loads_the_writers_of_its_files_alone(tmp_path):
+    line, out = tmp_path / "line.csv", tmp_path / "out.csv"
+    line.write_text("start,end,phoneme\n0,0.2,p\n0.2,0.4,a\n")
+    run = ["run", "--schedule", str(line), "-l", "english", "-c", "facefx", "-o", str(out)]
+    loaded = modules_after(f"from lipsync_lang.cli import main\nassert main({run!r}) == 0")
+    assert out.stat().st_size
+    rooms = ("lipsync_lang.animations.writers.", "lipsync_lang.plugins.programs.")
+    assert {one for one in loaded if one.startswith(rooms)} == {f"{rooms[0]}csv"}
+    idle = {"sound.speech.speaking.speaker", "performing.gesturing"}
+    assert not {f"lipsync_lang.{one}" for one in idle} & loaded
+
+
 @full
 def test_resolving_builds_only_the_models_it_reads_and_parses_none_of_their_source():
     code = (

@@ -23,7 +23,8 @@ from lipsync_lang.sound.speech.hearing.alignment import align_many
 from lipsync_lang.sound.speech.lacking_words import with_lacking
 from lipsync_lang.sound.speech.sound import SoundSource, sound_of, with_sound
 from lipsync_lang.sound.speech.speaking.joining import join
-from lipsync_lang.sound.speech.speaking.speaker import NO_ENGINE, Speaker
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.speaking.speech_engines import NO_ENGINE
 from lipsync_lang.text.phonology.g2p.tokens import UNSPACED
 
 PHRASE_PAUSE_SECONDS = 0.2

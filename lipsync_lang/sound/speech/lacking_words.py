@@ -14,7 +14,8 @@ from lipsync_lang.base.errors import SpeechError, shortlist
 from lipsync_lang.schedules.rows import is_pause
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timed_words import words_without_phonemes
-from lipsync_lang.sound.speech.speaking.speaker import NO_ENGINE, Speaker
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.speaking.speech_engines import NO_ENGINE
 from lipsync_lang.text.phonology.labels import Notation, recognise
 
 MAX_SHOWN_WORDS = 8

@@ -1,18 +1,21 @@
 """Extras that languages and files need, so that one message names all missing ones."""
 
 from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import LipsyncError, shortlist
 from lipsync_lang.base.extras import extras, install_line
-from lipsync_lang.sound.speech.speaking.speaker import NO_ENGINE
-from lipsync_lang.text.phonology.manner import Manner
+from lipsync_lang.sound.speech.speaking.speech_engines import NO_ENGINE
+
+if TYPE_CHECKING:
+    from lipsync_lang.text.phonology.manner import Manner
 
 SHOWN_USERS = 3
 """Maximum number of languages or files that a message names for a missing extra."""
 
 
 def engines_of(
-    manner: Manner, *, spoken: bool = False, heard: bool = False, tts: str | None = None
+    manner: "Manner", *, spoken: bool = False, heard: bool = False, tts: str | None = None
 ) -> Iterator[str]:
     """Yield the engines of a language; one of ``tashkeel|espeak`` is enough.
 

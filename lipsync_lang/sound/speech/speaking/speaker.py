@@ -21,6 +21,7 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.sound.speech import ENGINES, speak_many
 from lipsync_lang.sound.speech.results import batches, each, exhaust, next_result, raised
+from lipsync_lang.sound.speech.speaking.speech_engines import NO_ENGINE
 from lipsync_lang.sound.speech.speaking.transcripts import (
     Transcript,
     WrittenText,
@@ -41,9 +42,6 @@ from lipsync_lang.text.phonology.manner import Manner
 
 if TYPE_CHECKING:
     from lipsync_lang.text.phonology.nearest import NearestPhonemes
-
-NO_ENGINE = "none"
-"""Engine name for estimated times without sound."""
 
 PlaceholderValues = Mapping[str, str]
 """Values of placeholders, by name."""

@@ -12,6 +12,9 @@ from lipsync_lang.sound.speech.results import tried
 
 _log = logging.getLogger(__name__)
 
+NO_ENGINE = "none"
+"""Engine name for estimated times without sound."""
+
 
 class Engine(Protocol):
     """Interface of a speech engine; register implementations with `speech_engine`."""
