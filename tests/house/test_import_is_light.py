@@ -89,6 +89,18 @@ def test_a_run_loads_the_writers_of_its_files_alone(tmp_path):
     assert not {f"lipsync_lang.{one}" for one in idle} & loaded
 
 
+def test_a_build_of_texts_loads_nothing_that_hears(tmp_path):
+    settings = "language: english\ncharacter: facefx\nlines: script.csv\noutputs: ['{id}.csv']\n"
+    (tmp_path / "lipsync.yaml").write_text(f"kind: project\nformat: 1\n{settings}")
+    (tmp_path / "script.csv").write_text("id,text\nl1,Buy more maps\n")
+    build = "main(['build', '--workers', '1', '--tts', 'none'])"
+    code = f"import os; os.chdir({str(tmp_path)!r})\nfrom lipsync_lang.cli import main\n"
+    loaded = modules_after(f"{code}assert {build} == 0")
+    assert (tmp_path / "l1.csv").stat().st_size
+    hearing = "lipsync_lang.sound.speech.hearing."
+    assert not {"faster_whisper", f"{hearing}recognition", f"{hearing}alignment"} & loaded
+
+
 @full
 def test_resolving_builds_only_the_models_it_reads_and_parses_none_of_their_source():
     code = (

@@ -182,21 +182,21 @@ def _lip_pairs(rest: Floats, opened: Floats) -> Ints:
     if not size:
         return np.empty((2, 0), np.intp)
     columns = np.round((rest[:, 0] - np.median(rest[moving, 0])) / (NEAR_SHARE * size)).astype(int)
-    found = []
+    found, pairs, most = [], [], 0.0
     for column in np.unique(columns[moving]):
         here = np.flatnonzero(columns == column)
-        gap = np.linalg.norm(rest[here, None] - rest[here], axis=2)
         parted = opened[here, None, 1] - opened[here, 1]
-        parted[gap > NEAR_SHARE * size] = 0.0
-        if parted.max(initial=0.0) > 0:
-            found.append((here, parted))
-    most = max((parted.max() for _, parted in found), default=0.0)
-    pairs = []
-    for here, parted in found:
+        away = np.sqrt(sum((axis[:, None] - axis) ** 2 for axis in rest[here].T))
+        parted[away > NEAR_SHARE * size] = 0.0
+        most = max(most, parted.max(initial=0.0))
+        # what is too little here is so in the end: the rest of a square would take megabytes
         above, below = np.nonzero(parted > PARTED_SHARE * most)
-        if len(above):
-            front = np.argmax(rest[here[above], 2] + rest[here[below], 2])
-            pairs.append((here[above[front]], here[below[front]]))
+        found.append((here[above], here[below], parted[above, below]))
+    for above, below, parted in found:
+        wide = parted > PARTED_SHARE * most
+        if wide.any():
+            front = np.argmax(rest[above[wide], 2] + rest[below[wide], 2])
+            pairs.append((above[wide][front], below[wide][front]))
     return np.array(pairs, np.intp).reshape(-1, 2).T
 
 

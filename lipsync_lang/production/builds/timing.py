@@ -144,9 +144,6 @@ def schedules(
     `engine` is another speech engine than the language's; `none` estimates times. Lines whose
     timings are in the cache are not timed again.
     """
-    from lipsync_lang.sound.speech.hearing.alignment import align_many
-    from lipsync_lang.sound.speech.hearing.recognition import recognise_many
-
     out: dict[int, ScheduleOrError] = {}
     told: dict[int, tuple[Path, str]] = {}
     heard: dict[int, Path] = {}
@@ -162,8 +159,15 @@ def schedules(
             told[at] = folder / line.audio, line.text
         else:
             heard[at] = folder / line.audio
-    out |= zip(told, align_many(speaker, told.values()), strict=True)
-    out |= zip(heard, recognise_many(speaker, heard.values()), strict=True)
+    # without a recording, the models of hearing would be loaded for nothing
+    if told:
+        from lipsync_lang.sound.speech.hearing.alignment import align_many
+
+        out |= zip(told, align_many(speaker, told.values()), strict=True)
+    if heard:
+        from lipsync_lang.sound.speech.hearing.recognition import recognise_many
+
+        out |= zip(heard, recognise_many(speaker, heard.values()), strict=True)
     out |= zip(silent, speaker.speak_many(silent.values(), engine=engine), strict=True)
     if cache is not None:
         for at in (*told, *heard, *silent):
