@@ -19,7 +19,6 @@ from take_files import take_names
 from test_coverage_page import Reader
 from test_line_page import data_of
 from test_subtitle_files import read
-from test_usd import from_usda
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
@@ -187,7 +186,7 @@ NAMES = {
     "json": document,
     "srt": cues("srt"),
     "unreal": curves,
-    "usd": lambda content, animation: list(from_usda(content, animation)),
+    "usd": lambda content, animation: list(of_plug_in("test_usd", "from_usda")(content, animation)),
     "player": lambda content, _: take_names(content)[0],
     "vrma": lambda content, animation: list(
         of_plug_in("test_avatar_files", "from_vrma")(content, animation)
