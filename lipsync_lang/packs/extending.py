@@ -1,17 +1,21 @@
-"""Merge a language with the language it extends, which may extend another."""
+"""Merge a language or a pose set with the one it extends, which may extend another."""
 
+from functools import reduce
 from typing import TYPE_CHECKING
 from unicodedata import normalize
+
+from pydantic import BaseModel
 
 from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault, shown
+from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.text.phonology.labels import normalise
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from lipsync_lang.packs.models import Language, Phonemes
+    from lipsync_lang.packs.models import Language, Phonemes, PoseSet
     from lipsync_lang.packs.models.language_models import G2P
 
 REPLACED_FIELDS = (
@@ -143,6 +147,35 @@ def merge(parent: "Language", child: "Language") -> "Language":
         others = {one: way for one, way in known if one in labels or normalise(one) not in anew}
         notations[name] = others | labels
     return child.model_copy(update={**taken, "notations": notations})
+
+
+def joined(parent: Data, child: Data) -> Data:
+    """Join values of two pose sets: mappings by entry, models by stated field, others replaced."""
+    if isinstance(parent, dict) and isinstance(child, dict):
+        return {**parent, **{name: joined(parent.get(name), one) for name, one in child.items()}}
+    if isinstance(parent, BaseModel) and type(parent) is type(child):
+        stated = {name: getattr(child, name) for name in child.model_fields_set}
+        own = {name: joined(getattr(parent, name), one) for name, one in stated.items()}
+        return parent.model_copy(update=own)
+    return child
+
+
+def merged_face(line: "list[Pack[PoseSet]]") -> "tuple[PoseSet, list[Fault]]":
+    """Merge a pose set, the first, into those that it extends, in its names of their poses."""
+    child, names = line[0].model, dict[str, str]()
+    parts: list[PoseSet] = []
+    faults: list[Fault] = []
+    for number, pack in enumerate(line, 1):
+        data, renamed = pack.source.data, pack.model.renamed
+        parts.append(type(child).model_validate(data, context=names) if names else pack.model)
+        names |= {old: names.get(new, new) for old, new in renamed.items()}
+        models = [one.model for one in line[number:]]
+        known = {pose for one in models for pose in (*one.poses, *one.posture_poses)}
+        wrong = sorted(renamed.keys() - known)
+        faults += [pack.unknown(("renamed", n), "P201", "pose", n, known, key=True) for n in wrong]
+    whole = reduce(joined, reversed(parts))
+    # the path of a model is that of its own file
+    return whole.model_copy(update={"model": child.model, "renamed": child.renamed}), faults
 
 
 def test_fault(pack: "Pack[Language]", index: int, what: str, hint: str, *more: str) -> Fault:

@@ -163,8 +163,8 @@ class Finder:
         """Return the files found for a name, in order; empty if there are none.
 
         Besides the kinds with names, there are these kinds of look-up. `phonemes` finds the common
-        phonemes, and the kind of the IPA its features. `beneath` takes the path of a language's
-        file, and finds the language that it shadows. `banks` and `rigs` find those of a pose set.
+        phonemes, and the kind of the IPA its features. `beneath` takes the path of a pack,
+        and finds the one that it shadows. `banks` and `rigs` find those of a pose set.
         A folder searched before the pose set's own may hold banks and rigs for it, so that a
         project can extend a pose set of another owner; these come first.
         """
@@ -173,7 +173,8 @@ class Finder:
             return tuple(str(path) for path in shared if path.is_file())[:1]
         if kind == BENEATH:
             path = Path(name)
-            found = [self._list(root.path, "language").get(path.stem) for root in self.roots]
+            shadowing: Kind = "poseset" if path.name == POSESET else "language"
+            found = [self._list(one.path, shadowing).get(pack_name(path)) for one in self.roots]
             under = found[found.index(path) + 1 :] if path in found else []
             return tuple(str(other) for other in under if other not in (None, path))[:1]
         if kind in PART_FOLDERS:
@@ -263,7 +264,7 @@ class Finder:
         if key not in self._listed:
             folder, unsaved = root / FOLDERS[kind], self.unsaved
             if root.is_file():
-                name = root.parent.name if root.name == POSESET else root.stem
+                name = pack_name(root)
                 fits = _kind(root) in (kind, "") and _PACK_NAME.fullmatch(name)
                 found = {name: root} if fits else {}
             elif kind == "poseset":
@@ -337,11 +338,16 @@ def located(paths: Paths, **packs: str | Path) -> tuple[list[str], tuple[Path, .
             raise PackError(f"{path}: holds a pack of kind {stated}, not a {kind}")
         if stated == "poseset" and not whole:
             raise PackError(f"{path}: a pose set is a file {POSESET} in a folder of its name")
-        names.append(path.parent.name if whole else path.stem)
+        names.append(pack_name(path))
         files.append(path)
         above = path.parents[1] if whole else path.parent
         homes += [above.parent] if above.name in FOLDERS.values() else []
     return names, (*files, *homes, *folders_of(paths))
+
+
+def pack_name(path: Path) -> str:
+    """Return the name that a pack's file must state: that of its folder for a pose set."""
+    return path.parent.name if path.name == POSESET else path.stem
 
 
 def is_model(character: str | Path) -> bool:

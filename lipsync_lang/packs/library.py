@@ -7,10 +7,10 @@ as long as both are unchanged.
 import logging
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, reduce
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs.finding import (
@@ -18,12 +18,15 @@ from lipsync_lang.packs.finding import (
     COMMON,
     FOLDERS,
     IPA,
+    KIND_WORDS,
     NONE_UNSAVED,
     SHARED,
     Finder,
+    Kind,
     Paths,
     beside,
     is_model,
+    pack_name,
 )
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.building import read_yaml, scan
@@ -119,56 +122,70 @@ class Library(Finder):
 
     def extended(self, path: Path) -> "Pack[models.Language]":
         """Load a language with all that it inherits; raise `PackFaults` for an unsound parent."""
-        from lipsync_lang.packs.automatic import automatic
-        from lipsync_lang.packs.extending import merge, with_alike, with_usual
+        from lipsync_lang.packs.extending import merge
 
-        line: list[Pack[models.Language]] = []
-        while True:
-            stated = cast("Pack[models.Language]", self.load(path, "language", path.stem))
-            # before the merge: a bare label means the usual mapping, not that of the parent
-            pack, faults = with_usual(stated, self.common)
-            if faults:
-                raise self.failing(*faults)
-            line.append(with_alike(pack, self.common))
-            parent = pack.model.extends
-            if parent is None:
-                break
-            try:
-                path = self.find("language", parent)
-            except PackError:
-                made = automatic(parent, self.common)
-                if made is not None:
-                    line.append(made)
-                    break
-                known = {found.name for found in self.names("language")}
-                fault = pack.unknown(("extends",), "P210", "language", parent, known)
-                raise self.failing(fault) from None
-            if path.stem == pack.path.stem:
-                # A language that extends its own name extends the pack that it shadows.
-                beneath = self.beneath(pack.path)
-                if beneath is None:
-                    what = f"there is no other language '{parent}' to extend"
-                    hint = "name another language, or leave `extends` out"
-                    raise self.failing(pack.fault(("extends",), "P210", what, hint))
-                path = beneath
-            if path in {member.path for member in line}:
-                names = " -> ".join([*(member.model.name for member in line), path.stem])
-                what = f"languages extend each other in a circle: {names}"
-                hint = "one of them must not extend another"
-                raise self.failing(pack.fault(("extends",), "P211", what, hint))
-        model = line[-1].model
-        for child in reversed(line[:-1]):
-            model = merge(model, child.model)
+        line = self._line(path, "language")
+        model = reduce(merge, (pack.model for pack in reversed(line)))
         return Pack(model, tuple(pack.source for pack in line))
 
-    def beneath(self, path: Path) -> Path | None:
-        """Return the file of the language that the file `path` shadows, or None."""
-        return next(map(Path, self.lookup(BENEATH, str(path))), None)
+    def _usual(self, stated: "Pack[models.Language]") -> "Pack[models.Language]":
+        """Return a language with its usual mapping: a bare label means that, not the parent's."""
+        from lipsync_lang.packs.extending import with_alike, with_usual
+
+        pack, faults = with_usual(stated, self.common)
+        if faults:
+            raise self.failing(*faults)
+        return with_alike(pack, self.common)
+
+    def _line(self, path: Path, kind: Kind) -> "list[Pack[Any]]":
+        """Load a pack and all that it extends, the child first."""
+        from lipsync_lang.packs.automatic import automatic
+
+        line: list[Pack[Any]] = []
+        word, languages = KIND_WORDS[kind], kind == "language"
+        while True:
+            pack: Pack[Any] = self.load(path, kind, pack_name(path))
+            line.append(self._usual(pack) if languages else pack)
+            parent, found = pack.model.extends, None
+            if parent is None:
+                return line
+            if not languages and parent.endswith(".yaml"):
+                found = beside(pack.path, parent, self.unsaved)
+            elif self.lookup(kind, parent):
+                found = self.find(kind, parent)
+            elif languages and (made := automatic(parent, self.common)) is not None:
+                return [*line, made]
+            if found is None:
+                known = {one.name for one in self.names(kind)}
+                raise self.failing(pack.unknown(("extends",), "P210", word, parent, known))
+            path = found
+            if pack_name(path) == pack_name(pack.path):
+                # A pack that extends its own name extends the one that it shadows.
+                under = self.lookup(BENEATH, str(pack.path))
+                if not under:
+                    what = f"there is no other {word} '{parent}' to extend"
+                    hint = f"name another {word}, or leave `extends` out"
+                    raise self.failing(pack.fault(("extends",), "P210", what, hint))
+                path = Path(under[0])
+            if path in {member.path for member in line}:
+                names = " -> ".join([*(member.model.name for member in line), pack_name(path)])
+                what = f"{word}s extend each other in a circle: {names}"
+                hint = "one of them must not extend another"
+                raise self.failing(pack.fault(("extends",), "P211", what, hint))
 
     def poseset(self, name: str) -> "Pack[models.PoseSet]":
-        """Load a pose set."""
-        path = self.find("poseset", name)
-        return cast("Pack[models.PoseSet]", self.load(path, "poseset", path.parent.name))
+        """Load a pose set merged with its parents."""
+        return self.whole_face(self.find("poseset", name))
+
+    def whole_face(self, path: Path) -> "Pack[models.PoseSet]":
+        """Load a pose set with all that it inherits; raise `PackFaults` for an unsound parent."""
+        from lipsync_lang.packs.extending import merged_face
+
+        line = self._line(path, "poseset")
+        model, faults = merged_face(line)
+        if faults:
+            raise self.failing(*faults)
+        return Pack(model, tuple(pack.source for pack in line))
 
     def banks(self, poseset: str) -> "list[Pack[models.BankPack]]":
         """Load every bank of a pose set, in the order of their file names."""

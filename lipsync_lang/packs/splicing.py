@@ -16,7 +16,7 @@ from typing import Any, Final, NamedTuple, Self
 
 from lipsync_lang.base.errors import PackError
 from lipsync_lang.base.files import atomic
-from lipsync_lang.packs.finding import POSESET
+from lipsync_lang.packs.finding import pack_name
 from lipsync_lang.packs.models.validation import validated
 from lipsync_lang.packs.yaml.building import read_yaml, scan
 from lipsync_lang.packs.yaml.faults import PackFaults, shown
@@ -288,11 +288,6 @@ def plain(value: Any) -> Data:
         return tuple(plain(one) for one in value)
     # numpy's float64 is a float, and would be written as `np.float64(0.5)`
     return float(value) if isinstance(value, float) else value
-
-
-def pack_name(path: Path) -> str:
-    """Return the name a pack in this file must have: the file's, or for a pose set the folder's."""
-    return path.parent.name if path.name == POSESET else path.stem
 
 
 def _rewritten(path: Path, text: str, old: Data, loc: Loc, value: Data) -> tuple[YamlSource, str]:

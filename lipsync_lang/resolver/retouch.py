@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import Any, Self
 
 from lipsync_lang.packs.checking.pack_checks import check_bigrams
+from lipsync_lang.packs.finding import pack_name
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.validation import validated
 from lipsync_lang.packs.pack import FilePlace, Pack
-from lipsync_lang.packs.splicing import INDEPENDENT, SplicedText, pack_name
+from lipsync_lang.packs.splicing import INDEPENDENT, SplicedText
 from lipsync_lang.packs.yaml.building import scan
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.packs.yaml.source import Data

@@ -147,8 +147,11 @@ class _Validation:
             self.faults.update(check_ipa(pack, common.model))
         elif kind == "poseset" and phonemes is not None:
             model = None if common is None else common.model
-            found = checks.check_poseset(pack, phonemes, self._banks(pack), model)
-            self.faults.update(found)
+            alone = pack.model.extends is None
+            whole = pack if alone else self._try(lambda: self.library.whole_face(pack.path))
+            if whole is not None:
+                found = checks.check_poseset(whole, phonemes, self._banks(whole), model)
+                self.faults.update(found)
         elif kind == PROJECT:
             for check in (check_languages, check_characters):
                 self.faults.update(check(pack, self.library))
@@ -211,8 +214,8 @@ class _Validation:
         # a folder that is checked by its path may hold a pose set that another shadows
         beside = pack.path.parent.parent / finding.POSESET
         if pack.path.parent.name in finding.PART_FOLDERS and beside.is_file():
-            model, _, _ = self.library.inspect(beside, "poseset", beside.parent.name)
-            return cast("models.PoseSet | None", model)
+            whole = _quietly(lambda: self.library.whole_face(beside))
+            return None if whole is None else whole.model
         name = pack.model.poseset
         try:
             return self.library.poseset(name).model
@@ -291,13 +294,10 @@ def _placed(path: Path) -> FileRequest:
     folder = path.parent.name
     if path.name == PROJECT_FILE:
         return path, PROJECT, None
-    # all pose sets have a file of this name, and the name of their folder
-    if path.name == finding.POSESET:
-        return path, "poseset", folder
-    kind = finding.PART_FOLDERS.get(folder)
+    kind = "poseset" if path.name == finding.POSESET else finding.PART_FOLDERS.get(folder)
     if folder == finding.FOLDERS["language"]:
         kind = finding.SHARED.get(path.stem, "language")
-    return path, kind, path.stem
+    return path, kind, finding.pack_name(path)
 
 
 def _salvaged(source: YamlSource, kind: str | None) -> PackModel | None:

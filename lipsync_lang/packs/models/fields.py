@@ -21,6 +21,7 @@ from pydantic import (
     ConfigDict,
     Field,
     GetJsonSchemaHandler,
+    ValidationInfo,
 )
 from pydantic_core import CoreSchema, PydanticCustomError
 
@@ -106,12 +107,12 @@ def _plain(text: str) -> str:
     return text
 
 
-def _pose(text: str) -> str:
-    """Refuse the name that every table of frames gives to its times."""
+def _pose(text: str, told: ValidationInfo) -> str:
+    """Refuse the column of times in tables, and take a new name from the validation's context."""
     if text == "time_s":
         context = {"text": text, "hint": "choose another name"}
         raise PydanticCustomError("P106", "'{text}' is the column of times in tables", context)
-    return _plain(text)
+    return (told.context or {}).get(text, _plain(text))
 
 
 def _title(text: str) -> str:

@@ -254,6 +254,11 @@ class PoseSet(PackModel):
 
     kind: Literal["poseset"]
     """The kind of pack."""
+    extends: Text | None = None
+    """The parent pose set, or a YAML file beside this one. This file states only the differences:
+    mappings are joined by entry, lists replaced. Its own name means the one that it shadows."""
+    renamed: dict[PoseName, PoseName] = Field(default={})
+    """New names of poses of the parent, by its names."""
     poses: dict[PoseName, Annotated[Pose, OrEmpty]] = Field(min_length=1)
     """Every pose, in the order of the curves."""
     neutral: Text | None = None

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, TextIO
 
 import numpy as np
 
+from lipsync_lang import OutputError
 from lipsync_lang.animations.fixed import boneless
 from lipsync_lang.animations.moving_shapes import shapes
 from lipsync_lang.animations.writers import Animation, template, writer
 from lipsync_lang.animations.writers.glb import unplaced
-from lipsync_lang.base.errors import OutputError
 from lipsync_lang.faces.rigs.model import some
 
 if TYPE_CHECKING:

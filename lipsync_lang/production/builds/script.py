@@ -16,7 +16,7 @@ from lipsync_lang.base.errors import LipsyncError, count, did_you_mean, shortlis
 from lipsync_lang.base.files.names import fault_of_name, folded_name
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.packs.checking.project_checks import check_characters, check_languages
-from lipsync_lang.packs.finding import POSESET, Finder, Paths, folders_of
+from lipsync_lang.packs.finding import Finder, Paths, folders_of, pack_name
 from lipsync_lang.packs.language_files import spoken_in
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE
@@ -100,8 +100,8 @@ class Cast:
             own: list[str] = []
             for name in names:
                 found = finder.lookup("character", name) or finder.lookup("poseset", name)
-                paths = map(Path, found[:1])  # an unknown one is a fault of `check_characters`
-                own += (one.parent.name if one.name == POSESET else one.stem for one in paths)
+                # an unknown one is a fault of `check_characters`
+                own += map(pack_name, map(Path, found[:1]))
             faces[speaker] = unique(own)
         self._faces = SpeakerFaces(faces)
         self.characters = self._faces.characters

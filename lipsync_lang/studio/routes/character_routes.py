@@ -49,12 +49,15 @@ def character(workshop: Workshop, _: StudioRequest) -> Json:
     who = library.character(compiled.character).model
     phonemes = dict.fromkeys((*compiled.counted, *compiled.shades, *poseset.model.targets))
     motion = asdict(performer.motion)
+    # the file as it is, unless it states only what differs from its parents
+    alone, model = not poseset.sources[1:], poseset.model
+    whole = poseset.source.data if alone else model.model_dump(mode="json", exclude_unset=True)
     return {
         "poseset": compiled.poseset,
         "title": poseset.model.title,
         "file": workshop.shown(poseset.path),
         "own": workshop.own(poseset.path),
-        "stated": {key: poseset.source.data.get(key) for key in EDITED_FIELDS},
+        "stated": {key: whole.get(key) for key in EDITED_FIELDS},
         "phonemes": [
             {
                 "name": name,

@@ -134,7 +134,7 @@ export class RuleForms {
                 { min: 0.05, max: FREE, step: 0.05, disabled: off },
                 (value, done) =>
                   value !== null &&
-                  edit(["constraints", "pairs", at, "threshold"], value, `Threshold of ${a} and ${b}`, done),
+                  edit(["constraints", "pairs"], change(at, { threshold: value }), `Threshold of ${a} and ${b}`, done),
               ),
             ]),
         actButton("Try", `Try ${a} and ${b} at 1, within the constraints`, () =>
