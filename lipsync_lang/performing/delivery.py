@@ -231,11 +231,9 @@ def with_expression(animation: Animation, tables: Tables, expression: DialLevels
     rows = np.vstack([weights, *wanted.values()])
     channels = (*animation.columns, *map(Channel, wanted))
     return replace(
-        animation,
-        poses=(*animation.poses, *wanted),
-        weights=np.ascontiguousarray(rows.T),
+        animation, poses=(*animation.poses, *wanted), weights=np.ascontiguousarray(rows.T),
         channels=channels,
-    )
+    )  # fmt: skip
 
 
 def _added(

@@ -258,15 +258,11 @@ class Performer(PlayedPair):
         refuse_gaps(self)
         tables, motion, labels = self.compiled.tables, self.motion, self.labels
         return open_listener(
-            tables.papers if motion.thresholds == "paper" else tables,
-            motion,
-            self.poses if poses is None else tuple(poses),
-            labels.notations.get(IPA),
-            self.compiled.numbers(shades=labels.shades),
-            rate=rate,
-            delay=delay,
+            tables.papers if motion.thresholds == "paper" else tables, motion,
+            self.poses if poses is None else tuple(poses), labels.notations.get(IPA),
+            self.compiled.numbers(shades=labels.shades), rate=rate, delay=delay,
             fps=checked_rate(fps),
-        )
+        )  # fmt: skip
 
     def rigged(self, animation: Animation) -> Animation:
         """Convert an animation of poses to an animation of the model's rig channels.
@@ -293,13 +289,9 @@ class Performer(PlayedPair):
         if len(animation.poses) > count:  # shapes that speech does not move go to the model as such
             values = np.hstack([values, animation.weights[:, count:]])
         return replace(
-            animation,
-            poses=names,
-            weights=values,
+            animation, poses=names, weights=values, model=self.model, contacts={},
             channels=(*driver.channels, *animation.channels[count:]),
-            model=self.model,
-            contacts={},
-        )
+        )  # fmt: skip
 
     def held_channels(self, weights: Floats) -> Floats:
         """Return the channels (T, C) of the model for poses (T, P), each row as a held pose.
@@ -458,7 +450,7 @@ def _animate(
         schedule = without_gaps(performer, asked_for, sounds)
         settings = {"line": line, **asked}
         said = LineDelivery.of(performer, schedule, sounds, line, asked)
-        if kept is not None and not (said.blends or said.overlays or said.bends):
+        if kept is not None and not (said.blends or said.overlays or said.bends or said.others):
             times, weights = kept.utter(sounds.ids, sounds.times, said.dials)
         else:
             made = said.performance(performer, sounds, fps)
@@ -475,19 +467,11 @@ def _animate(
             weights = np.concatenate((weights, curves), axis=1)
             poses += performer.gesture_set.poses
             channels += performer.gesture_channels
-        animation = Animation.filled(
-            times=times,
-            poses=poses,
-            weights=weights,
-            fps=fps,
-            schedule=schedule,
-            source=PerformedLine(performer, settings),
-            channels=channels,
-            model=performer.model,
-            neutral=compiled.neutral,
-            contacts=dict(performer.contact_floors),
-        )
-        out.append(animation)
+        out.append(Animation.filled(
+            times=times, poses=poses, weights=weights, fps=fps, schedule=schedule,
+            source=PerformedLine(performer, settings), channels=channels, model=performer.model,
+            neutral=compiled.neutral, contacts=dict(performer.contact_floors),
+        ))  # fmt: skip
     return out
 
 

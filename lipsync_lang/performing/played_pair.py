@@ -38,6 +38,9 @@ OwnSettings = Mapping[str, Any]
 Gaps = Literal["error", "rest"]
 """Treatments of bigrams without curves."""
 
+COURSES = 8
+"""Number of courses of a line that was heard without words, whose mean is shown."""
+
 YIELDING = -1.0
 """Priority of a pose of a posture, below those of all poses of speech."""
 
@@ -50,6 +53,8 @@ class LineDelivery(NamedTuple):
     dials: "tuple[Dial, ...]"
     overlays: "tuple[Overlay, ...]"
     bends: "tuple[Bend, ...]"
+    others: "tuple[LabelSounds, ...]"
+    """Courses of a line of which the sound alone was heard."""
 
     @classmethod
     def of(
@@ -74,17 +79,16 @@ class LineDelivery(NamedTuple):
             silent[sounds.source[sounds.ids != compiled.tables.silence]] = False
             own = overlays(compiled, schedule, silent.tolist(), line)
         bends = bends_of(compiled, schedule, line, asked["bends"])
-        return cls(pair.tables(blends), blends, dials, own, bends)
+        others = tuple(pair.labels.read(schedule.weighed(COURSES)))
+        return cls(pair.tables(blends), blends, dials, own, bends, others)
 
     def performance(self, pair: "PlayedPair", sounds: "LabelSounds", fps: float) -> Performance:
         """Lay the track, and prepare its performance."""
-        tables, blends, dials, laid, bends = self
-        motion = pair.styled_motion(blends)
-        ids, times, source, _ = sounds
-        track = lay_track(ids, times, source, tables, motion, blends)
-        return perform(
-            tables, track, motion, fps, overlays=laid, blends=blends, dials=dials, bends=bends
-        )
+        own = self._asdict()
+        tables, motion = own.pop("tables"), pair.styled_motion(self.blends)
+        said = sounds, *self.others
+        track, *others = (lay_track(*one[:3], tables, motion, self.blends) for one in said)
+        return perform(tables, track, motion, fps, **{**own, "others": tuple(others)})
 
 
 def _effort(

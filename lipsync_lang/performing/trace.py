@@ -99,19 +99,15 @@ class _TracedFrame:
         common = self.compiled.phonemes[int(track.ids[at])]
         channels = self.performer.shown_channels(self.performance.tables)
         return Explanation(
-            seconds=float(self.now[0]),
-            frame=self.frame,
+            seconds=float(self.now[0]), frame=self.frame, common=common,
             phoneme=schedule.labels[index] if index >= 0 else self.compiled.phonemes[0],
-            index=index if index >= 0 else None,
-            common=common,
-            start=float(track.bounds[at]),
-            end=float(track.bounds[at + 1]),
-            word=word.text if word else None,
+            index=index if index >= 0 else None, word=word.text if word else None,
+            start=float(track.bounds[at]), end=float(track.bounds[at + 1]),
             bigrams=tuple(b for b in self.covering if b is not None),
             poses=tuple(self._pose(number, one.name) for number, one in enumerate(channels)),
             shade_of=self.compiled.shades.get(common),
             likely=schedule.likely[index] if schedule.likely and index >= 0 else (),
-        )
+        )  # fmt: skip
 
     def _bigrams(self) -> tuple[BigramAt | None, BigramAt | None]:
         """Return the bigrams that end and begin with the phoneme of the frame.
@@ -177,6 +173,8 @@ class _TracedFrame:
                 for bigram, value in zip(self.covering, self.values, strict=True)
                 if bigram is not None
             ]
+            if self.performance.others:
+                given = ["the mean of the likely sounds"]
             drafts = self.compiled.style_drafts
             added = {
                 style: share * drafts[style]["posture"][pose]

@@ -87,6 +87,8 @@ class Performance:
     blends: tuple[Blend, ...] = ()
     dials: tuple[Dial, ...] = ()
     bends: tuple[Bend, ...] = ()
+    others: tuple[Track, ...] = ()
+    """Tracks of sounds that are as likely; their mean is played, with the contacts of `track`."""
 
     @cached_property
     def curves(self) -> "Performance | None":
@@ -140,7 +142,7 @@ class Performance:
     @property
     def compiled(self) -> bool:
         """True if the compiled kernel supports this performance."""
-        other = self.overlays or self.blends or self.bends or self.track.mixed
+        other = self.overlays or self.blends or self.bends or self.others or self.track.mixed
         return kernel_plan.serves(self.motion) and not other
 
     def _weigh(self, begin: int, stop: int) -> Floats:
@@ -276,7 +278,7 @@ class Performance:
         motion, prepared = self.motion, self.prepared
         times = self.frames.times(begin, stop)
         place = locate(self.track, times)
-        curves = stitch(*self.bigrams(place, times), place, motion.stitch)
+        curves = self._stitched(times)
         yield Stage("stitch", curves)
         if self.overlays:
             curves = lay_over(curves, self.overlays, times)
@@ -303,6 +305,14 @@ class Performance:
             yield Stage("ease", curves)
         if self.bends:
             yield Stage("bend", bend(curves, self.bends, times))
+
+    def _stitched(self, times: Floats) -> Floats:
+        """Join the bigrams that cover each frame: (P, T), the mean of the other tracks if any."""
+        if self.others:
+            alone = [replace(self, track=one, others=()) for one in self.others]
+            return np.mean([one._stitched(times) for one in alone], axis=0)  # noqa: SLF001 own class
+        place = locate(self.track, times)
+        return stitch(*self.bigrams(place, times), place, self.motion.stitch)
 
     def _smooth(self, curves: Floats, place: FramePlace) -> Floats:
         frames = self.motion.window * self.frames.fps
@@ -376,16 +386,19 @@ def perform(  # noqa: PLR0913 the phonemes, and settings of their delivery
     blends: tuple[Blend, ...] = (),
     dials: tuple[Dial, ...] = (),
     bends: tuple[Bend, ...] = (),
+    others: tuple[Track, ...] = (),
     frames: Frames | None = None,
 ) -> Performance:
     """Prepare a track's performance, and choose its frames.
 
     Parameters
     ----------
+    others : tracks whose mean is played, with the contacts of this one
     frames : of the animation; None for all those of the track
     """
     tables = tables.papers if motion.thresholds == "paper" else tables
     prepared = prepare(tables, motion, fps)
     if frames is None:
         frames = lay_frames(track, motion, fps, prepared.lead)
-    return Performance(tables, track, motion, frames, prepared, overlays, blends, dials, bends)
+    asked = overlays, blends, dials, bends, others
+    return Performance(tables, track, motion, frames, prepared, *asked)

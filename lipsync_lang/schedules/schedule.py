@@ -225,6 +225,21 @@ class Schedule:
             likely=(*self.likely, ()) if self.likely else (),
         )
 
+    def weighed(self, count: int) -> list[Self]:
+        """Return copies with the likely labels of each phoneme, each in its share of the copies.
+
+        A phoneme whose label is none of its likely ones keeps it. Empty if no label is unsure.
+        """
+        if not any(self.likely) or len(self.likely) != len(self.labels):
+            return []
+        shares, columns = (np.arange(count) + 0.5) / count, []
+        for label, likely in zip(self.labels, self.likely, strict=True):
+            told = likely if label in dict(likely) else ((label, 1.0),)
+            names, chances = zip(*told, strict=True)
+            sums = np.cumsum(chances)
+            columns.append([names[n] for n in sums.searchsorted(shares * sums[-1])])
+        return [replace(self, labels=row, likely=()) for row in zip(*columns, strict=True)]
+
     def save(self, path: str | Path) -> None:
         """Write the timings to a file; its suffix names the format, and readers read it back.
 

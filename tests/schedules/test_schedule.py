@@ -324,3 +324,15 @@ def test_every_reader_refuses_in_words(reader, content, tmp_path):
     with pytest.raises(ScheduleError, match=r"line\.") as caught:
         ll.read_schedule(path)
     assert str(caught.value).startswith(str(path))
+
+
+@given(st.lists(st.integers(1, 9), min_size=1, max_size=3), st.integers(1, 40))
+def test_likely_labels_have_their_shares_of_the_copies(weights, count):
+    chances = np.array(weights) / sum(weights)
+    likely = tuple(zip("AEO", chances.tolist(), strict=False))
+    line = ll.Schedule(("A", "M"), [0, 1, 2], likely=(likely, ()))
+    copies = line.weighed(count)
+    assert {one.labels[1] for one in copies} == {"M"}
+    for label, chance in likely:
+        assert abs(sum(one.labels[0] == label for one in copies) / count - chance) <= 1 / count
+    assert replace(line, likely=()).weighed(count) == []

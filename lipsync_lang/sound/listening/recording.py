@@ -103,16 +103,11 @@ class SoundRecogniser:
         heard = [HeardPhoneme(OUTSIDE, int(path[a]), a, z, 0.0) for a, z in pairwise(edges)]
         found = timed_labels(models, heard, (), audio.seconds)
         return Schedule(
-            tuple(spelled.get(name, name) for name in found.labels),
-            found.times,
-            notation=IPA,
-            language=speaker.manner.language,
-            audio=audio,
-            source="recording",
+            tuple(spelled.get(name, name) for name in found.labels), found.times, notation=IPA,
+            language=speaker.manner.language, audio=audio, source="recording", recognised=True,
             remarks=(NOTHING_REMARK if {*found.labels} == {SILENCE} else SOUND_REMARK,),
-            recognised=True,
             likely=likeliest(belief, labels, found.times),
-        )
+        )  # fmt: skip
 
 
 def recorded_belief(audio: Audio, known: ModelPhones, models: Models) -> Singles:

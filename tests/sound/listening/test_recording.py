@@ -1,5 +1,7 @@
 """Recordings without a text, in any language: the recogniser `sound`."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import example, given
@@ -113,6 +115,32 @@ def test_of_doubtful_sounds_that_which_looks_like_most_is_shown(hear):
     found = hear((20, {"SIL": 1}), (20, {"AA": 1}), (20, doubt), (40, {"AA": 1}))
     assert found.labels == (SILENCE, "ɑ", "p", "ɑ")
     assert found.likely[2][0] == ("s", 0.4)
+
+
+def test_an_unsure_sound_is_shown_between_the_likely_ones(hear):
+    """The mouth of a vowel that may be another one is the mean of both, by their probability."""
+    performer = ll.resolve("finnish", "facefx")
+    opened = []
+    for sure in (1, 0.75, 0.25, 0):
+        vowel = {"AA": sure, "IY": 1 - sure}
+        found = hear((30, {"SIL": 1}), (40, vowel), (30, {"SIL": 1}))
+        opened.append(performer.perform(found).weights[:, performer.poses.index("open")].max())
+    assert sorted(opened, reverse=True) == opened
+    assert opened[1] == pytest.approx(0.75 * opened[0] + 0.25 * opened[3], abs=0.02)
+
+
+def test_a_sound_that_a_user_corrects_is_shown_alone(hear):
+    found = hear((30, {"SIL": 1}), (40, {"AA": 0.6, "IY": 0.4}), (30, {"SIL": 1}))
+    known = replace(found, labels=(SILENCE, "m", SILENCE))
+    performer = ll.resolve("finnish", "facefx")
+    corrected, alone = (performer.perform(one) for one in (known, replace(known, likely=())))
+    np.testing.assert_allclose(corrected.weights, alone.weights, atol=1e-6)
+
+
+def test_an_explanation_says_that_likely_sounds_are_mixed(hear):
+    found = hear((30, {"SIL": 1}), (40, {"AA": 0.6, "IY": 0.4}), (30, {"SIL": 1}))
+    told = ll.resolve("finnish", "facefx").perform(found).explain(0.5)
+    assert "the mean of the likely sounds" in str(told)
 
 
 def test_a_change_must_be_worth_its_price(names):

@@ -43,7 +43,6 @@ MAX_ESPEAK_CHARS = 50_000
 MIN_SILENCE_SECONDS = 0.09
 """Minimum pause in seconds; a shorter silence between sounds counts as articulation."""
 
-
 USUAL_LEVEL = -19.0
 """Level of its voices in dBFS over sounds, without pauses: -20.3 to -17.4 in nine languages."""
 
