@@ -23,7 +23,7 @@ from lipsync_lang.packs.project import find_project, load_project
 from lipsync_lang.packs.speaker_faces import SpeakerFaces, stated_faces
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.production.builds.script_faults import in_words_of_project
-from lipsync_lang.reports.coverage.corpus import Pages, Reading, Takes, count
+from lipsync_lang.reports.coverage.corpus import Pages, Reading, Takes, count, units
 from lipsync_lang.reports.coverage.report import CoverageReport
 from lipsync_lang.reports.coverage.report_figures import CountFigures, report_of
 from lipsync_lang.reports.coverage.scripts import scripts_of
@@ -220,7 +220,8 @@ class ScriptCount:
             raise LipsyncError(f"{self.name} cannot be read: {error.strerror}") from None
         compiled = performer.compiled
         sounds = (compiled.manner, compiled.words, compiled.notations, compiled.counted)
-        key = digest, reading, sounds, tuple(compiled.report.trigrams)
+        played = tuple(compiled.report.trigrams), units(performer).tobytes()
+        key = digest, reading, sounds, played
         if self._run is not None and self._run.key == key:
             return
         if self._run is not None:
@@ -245,7 +246,7 @@ class ScriptCount:
         """Return the needs of the script from the open character; None without a count."""
         figures = None if self._run is None else self._run.figures
         # After a change of language, the old count has other bigrams until `update` starts anew.
-        if figures is None or figures.count.size != len(workshop.performer.compiled.counted):
+        if figures is None or figures.count.size != len(workshop.performer.compiled.phonemes):
             return None
         return report_of(workshop.performer, figures, minutes, "", sentences=sentences)
 

@@ -1,13 +1,14 @@
 """Counts of a corpus: phonemes and bigrams of many lines, in batches.
 
-A bigram (a, b) of n phonemes is the code ``a * n + b``; silence is phoneme 0. Memory use is low:
+A bigram (a, b) of n phonemes is the code ``a * n + b``; silence is phoneme 0. A pair with a shade
+counts as the pair whose curves it plays, as `units` tells. Memory use is low:
 each line keeps the set of its bigrams, as small integers, and its text and place, which are moved
 to disk if there are many.
 """
 
 import json
 from array import array
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice, pairwise
@@ -25,8 +26,9 @@ from lipsync_lang.performing.performer import Performer
 from lipsync_lang.pipeline.track import trigrams_in
 from lipsync_lang.reports.coverage.changes import ScriptDigests
 from lipsync_lang.reports.coverage.reading_cache import reading_cache
-from lipsync_lang.reports.coverage.report import Corpus, GestureNeed
+from lipsync_lang.reports.coverage.report import UNSTATED, Corpus, GestureNeed
 from lipsync_lang.reports.coverage.scripts import EntryWords, OtherScripts, TallyCounter
+from lipsync_lang.resolver.compiled import CompiledPair
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.sound.speech.speaking.joining import estimate
 from lipsync_lang.sound.speech.speaking.transcripts import Transcript
@@ -190,19 +192,20 @@ class Count:
     def __init__(self, reading: Reading) -> None:
         performer, scripts, takes, letters, self._tallies = reading
         self._takes: Takes = takes or (lambda _: True)
-        # Banks are drawn for the common phonemes: a shade is counted as its parent, and an unknown
-        # label must not end the count of a whole script.
-        self._performer = replace(performer, unknown="rest", shades=False)
+        # An unknown label must not end the count of a whole script.
+        self._performer = replace(performer, unknown="rest")
         self._speaker = self._performer.speaker
         self._speaker.read = reading_cache(self._performer)
-        self._numbers = performer.compiled.numbers(shades=False)
-        self.size = len(performer.compiled.counted)
+        self._numbers = self._performer.labels.numbers
+        self.units, self._parents = units(performer), parents(performer.compiled)
+        self.size = len(self._parents)
         self.lines = self.words = 0
         self.phonemes = np.zeros(self.size, np.int64)
         self.bigrams = np.zeros(self.size**2, np.int64)
         self.first: list[list[int]] = [[] for _ in range(self.size**2)]
-        self.trigrams: dict[tuple[int, int, int], int] = {}
-        self.first_trigrams: dict[tuple[int, int, int], list[int]] = {}
+        self.trigrams: defaultdict[str, Counter[int]] = defaultdict(Counter)
+        """By trigram, the occurrences of bigrams that it plays: two of each of its own."""
+        self.first_trigrams: defaultdict[str, list[int]] = defaultdict(list)
         self.unread, self.unmapped = TallyCounter(), TallyCounter()
         self.dropped = TallyCounter()
         self.others = OtherScripts(self._speaker, scripts)
@@ -250,13 +253,13 @@ class Count:
     def _count(self, number: int, said: Sequence[int], words: Sequence[str]) -> bool:
         """Count a line; return True if any of its bigrams is new."""
         ids = np.array(said, np.int64)
-        codes = ids[:-1] * self.size + ids[1:]
+        codes = self.units[ids[:-1], ids[1:]]
         codes = codes[(ids[:-1] != BREAK) & (ids[1:] != BREAK)]
         codes = codes[codes > 0]  # silence beside silence is no bigram
         self.lines += 1
         self.words += len(words)
         # Plain indexing would count an index that occurs twice only once.
-        np.add.at(self.phonemes, ids[ids != BREAK], 1)
+        np.add.at(self.phonemes, self._parents[ids[ids != BREAK]], 1)
         np.add.at(self.bigrams, codes, 1)
         kinds = np.unique(codes)
         is_first = False
@@ -264,13 +267,18 @@ class Count:
             is_first |= not self.first[code]
             if len(self.first[code]) < MAX_PLACES:
                 self.first[code].append(number)
-        tables = self._performer.compiled.tables
+        compiled, tables = self._performer.compiled, self._performer.compiled.tables
         for part in np.split(ids, np.flatnonzero(ids == BREAK)) if len(tables.trigrams) else ():
             run = part[part != BREAK]
             for at in trigrams_in(run, tables).tolist():
-                one, two, three = run[at : at + 3].tolist()
-                self.trigrams[one, two, three] = self.trigrams.get((one, two, three), 0) + 1
-                places = self.first_trigrams.setdefault((one, two, three), [])
+                first, second, third = run[at : at + 3].tolist()
+                code = (first * self.size + second) * self.size + third
+                row = tables.trigram_rows[tables.trigrams.searchsorted(code), 0]
+                name = compiled.origins[row].name
+                self.trigrams[name].update(
+                    self.units[run[at : at + 2], run[at + 1 : at + 3]].tolist()
+                )
+                places = self.first_trigrams[name]
                 if len(places) < MAX_PLACES and number not in places:
                     places.append(number)
         spoken = kinds[self.sounding(kinds)]
@@ -349,8 +357,29 @@ class Count:
         for transcript in self._speaker.transcribe(self._words) if self._words else ():
             for first, second in pairwise(self._ids(transcript)):
                 if BREAK not in (first, second):
-                    examples.setdefault(first * self.size + second, transcript.text)
+                    examples.setdefault(int(self.units[first, second]), transcript.text)
         return examples
+
+
+def units(performer: Performer) -> Ints:
+    """Return the code of the bigram that counts for each pair: (n, n), as the pair is played.
+
+    It is the drawn bigram that the pair plays. Without one, it is the pair of the parents, which
+    serves all their shades once it is drawn.
+    """
+    compiled, own = performer.compiled, parents(performer.compiled)
+    found = own[:, None] * len(own) + own
+    for row, origin in enumerate(compiled.origins) if performer.labels.shades else ():
+        if origin.layer not in UNSTATED and origin.triple is None:
+            first, second = map(compiled.phonemes.index, origin.pair)
+            found[compiled.tables.pairs == row] = first * len(own) + second
+    return found
+
+
+def parents(compiled: CompiledPair) -> Ints:
+    """Return the number of each phoneme's parent, or its own: (n,)."""
+    numbers = compiled.numbers(shades=False)
+    return np.array([numbers[name] for name in compiled.phonemes])
 
 
 def count(

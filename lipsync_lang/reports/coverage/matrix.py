@@ -12,7 +12,7 @@ from lipsync_lang.packs.finding import Paths, folders_of
 from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces
 from lipsync_lang.performing.gesturing import GestureScales
 from lipsync_lang.reports.coverage.column_joining import shared_of
-from lipsync_lang.reports.coverage.corpus import GestureTally, Pages, Reading, count
+from lipsync_lang.reports.coverage.corpus import GestureTally, Pages, Reading, count, units
 from lipsync_lang.reports.coverage.report import Coverage
 from lipsync_lang.reports.coverage.report_figures import CountFigures, report_of
 from lipsync_lang.reports.coverage.scripts import letters_of, scripts_of
@@ -70,7 +70,8 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
         speakers = faces and {who for who, names in faces.stated.items() if face in names}
         compiled = performer.compiled
         # All that decides which bigrams the lines have; reading takes nearly all of the time.
-        key = compiled.manner, compiled.words, compiled.report.trigrams.keys(), speakers
+        played = compiled.report.trigrams.keys(), units(performer).tobytes()
+        key = compiled.manner, compiled.words, played, speakers
         if key not in keys:  # pairs with equal counts share a reading
             takes = None if faces is None else partial(_speaks, faces, face)
             keys.append(key)

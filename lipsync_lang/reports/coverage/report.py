@@ -10,6 +10,8 @@ from pydantic import BaseModel, ConfigDict
 
 AUTHORED = frozenset(("edited", "approved"))
 BORROWED_LAYER = "like"
+UNSTATED = frozenset((BORROWED_LAYER, "draft", "gap"))
+"""Layers of bigrams that no bank states: once a bank does, its own are played."""
 
 COVERAGE_FORMAT: Literal["lipsync-lang coverage 1"] = "lipsync-lang coverage 1"
 """The form's name and version; a key that is added at the end does not change it."""
@@ -135,6 +137,8 @@ class BigramNeed(Fact):
     """The first lines with this bigram."""
     in_trigrams: int = 0
     """Occurrences that an authored trigram plays in place of the bigram."""
+    stated: str = ""
+    """Place of the bigram in a bank or a character, `file:line:column`; empty in none."""
 
     @property
     def authored(self) -> bool:

@@ -11,6 +11,7 @@ from lipsync_lang.performing.performer import Performer
 from lipsync_lang.reports.coverage import plan
 from lipsync_lang.reports.coverage.corpus import Count, Pages
 from lipsync_lang.reports.coverage.report import (
+    UNSTATED,
     AuthoredShare,
     BigramNeed,
     CoverageReport,
@@ -30,28 +31,22 @@ class CountFigures:
         self.count = counted
         self.pages = pages
         self.examples = counted.examples()
-        codes = np.arange(counted.size**2)
-        sounding = counted.sounding(codes)
+        sounding = counted.sounding(np.arange(counted.size**2))
         self.spoken = np.where(sounding, counted.bigrams, 0)
         self.silent = np.where(sounding, 0, counted.bigrams)
-        self.unused = [int(c) for c in codes if sounding[c] and not counted.bigrams[c]]
+        kinds = np.unique(counted.units)
+        self.unused = kinds[sounding[kinds] & (counted.bigrams[kinds] == 0)].tolist()
 
     def trigrams(self, performer: Performer) -> tuple[TrigramNeed, ...]:
-        """Return the trigrams that a character plays, most frequent first.
-
-        Trigrams of shades are left out, like bigrams of shades.
-        """
+        """Return the trigrams that a character plays, most frequent first."""
         compiled, counted = performer.compiled, self.count
-        numbers = {name: number for number, name in enumerate(compiled.counted)}
         found = []
         for name, origin in {one.name: one for one in compiled.origins if one.triple}.items():
-            one, two, three = (numbers.get(phoneme, -1) for phoneme in origin.triple or ())
-            if min(one, two, three) < 0:
-                continue
-            lines = counted.first_trigrams.get((one, two, three), ())
+            lines = counted.first_trigrams.get(name, ())
             need = TrigramNeed(
                 trigram=name,
-                count=counted.trigrams.get((one, two, three), 0),
+                # a trigram plays in place of both of its bigrams
+                count=counted.trigrams.get(name, Counter()).total() // 2,
                 layer=origin.layer,
                 status=origin.status,
                 places=tuple(self.pages[line][0] for line in lines),
@@ -67,30 +62,28 @@ class CountFigures:
         trigrams: Iterable[TrigramNeed],
     ) -> tuple[BigramNeed, ...]:
         """Return the ranked bigrams; authored trigrams replace some of their occurrences."""
-        within: Counter[str] = Counter()
+        within: Counter[int] = Counter()
         for one in trigrams:
             if authored(one.layer, one.status):
-                first, middle, last = one.trigram.split("-")
-                # A trigram plays in place of both of its bigrams, so a drawn one covers an
-                # occurrence of each.
-                within[f"{first}-{middle}"] += one.count
-                within[f"{middle}-{last}"] += one.count
+                within.update(self.count.trigrams.get(one.trigram, ()))
         total, running = int(counts.sum()), 0
         found = []
         for code in plan.ranked(counts):
             number = int(counts[code])
             running += number
+            origin = origins[code]
             found.append(
                 BigramNeed(
                     bigram=names[code],
                     count=number,
                     percent=percent(number, total),
                     running=percent(running, total),
-                    layer=origins[code].layer,
-                    status=origins[code].status,
+                    layer=origin.layer,
+                    status=origin.status,
                     example=self.examples.get(code, ""),
                     places=tuple(self.pages[line][0] for line in self.count.first[code]),
-                    in_trigrams=within[names[code]],
+                    in_trigrams=within[code],
+                    stated="" if origin.layer in UNSTATED else origin.places[0],
                 )
             )
         return tuple(found)
@@ -121,11 +114,12 @@ def report_of(
     minutes : minutes of work for a bigram
     sentences : False for no short list of lines, which takes most of the time
     """
-    counted, phonemes = counted_lines.count, performer.compiled.counted
+    counted, compiled = counted_lines.count, performer.compiled
+    phonemes = compiled.phonemes
     names = [f"{a}-{b}" for a in phonemes for b in phonemes]
     codes = {name: code for code, name in enumerate(names)}
-    bigrams = (origin for origin in performer.compiled.origins if origin.triple is None)
-    origins = {codes[one.name]: one for one in bigrams if one.name in codes}
+    bigrams = (origin for origin in compiled.origins[1:] if origin.triple is None)
+    origins = {codes[one.name]: one for one in bigrams}
     trigrams = counted_lines.trigrams(performer)
     rows = counted_lines.bigrams(counted_lines.spoken, origins, names, trigrams)
     total = sum(row.count for row in rows)
@@ -137,10 +131,10 @@ def report_of(
         language=performer.language,
         language_title=title or performer.language,
         character=performer.character,
-        poseset=performer.compiled.poseset,
+        poseset=compiled.poseset,
         lines=counted.lines,
         words=counted.words,
-        phonemes={name: int(counted.phonemes[n]) for n, name in enumerate(phonemes) if n},
+        phonemes={name: int(counted.phonemes[n]) for n, name in enumerate(compiled.counted) if n},
         occurrences=total,
         bigrams=rows,
         silence=counted_lines.bigrams(counted_lines.silent, origins, names, trigrams),

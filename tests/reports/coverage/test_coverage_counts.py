@@ -2,15 +2,21 @@
 
 import io
 import json
+from contextlib import chdir
 from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
+import numpy as np
 import pytest
 from coverage_packs import BANK_OF_THREE, LANGUAGE, bank, heard, lines, report, write
 from hypothesis import given
 from hypothesis import strategies as st
 from lanes import costly, full
 
-from lipsync_lang import LipsyncError, Schedule
+from lipsync_lang import LipsyncError, Schedule, resolve
+from lipsync_lang.base.presentation.wording import percent
+from lipsync_lang.pipeline.track import lay_track
 from lipsync_lang.reports.coverage import coverage
 from lipsync_lang.reports.coverage.forms import FORMS, FormOptions
 from lipsync_lang.reports.coverage.report import Coverage, authored, schema
@@ -39,6 +45,67 @@ def test_trigrams_count_for_the_bigrams_that_they_play(packs):
         again = report("tata ta", "mi")
         assert again.trigrams[0].status == status
         assert again.authored.percent == (0 if status == "drafted" else 66.6667)
+
+
+SHADED = LANGUAGE.replace("{a: aa,", "{a: aa, æ: ae, k: kg, ŋ: ng,")
+BANK = "kind: bank\nformat: 1\nname: {}\nposeset: facefx\nbigrams:\n"
+STATED = "  {}: {{status: {}, curves: {{open: [[0, 0], [0.5, 0.4], [1, 0]]}}}}\n"
+SOME = ["kg-aa", "kg-ae", "ng-aa", "ng-ae", "aa-kg", "ae-ng", "aa-d", "ae-d"]
+STATUSES = st.dictionaries(st.sampled_from(SOME), st.sampled_from(["drafted", "edited"]))
+
+
+def drawn_by_hand(texts, character):
+    """Count the bigrams that play in lines, and those that a person drew, from the tracks."""
+    performer = resolve("toy", character)
+    compiled, played, drawn = performer.compiled, 0, 0
+    for text in texts:
+        sounds = performer.common_phonemes(timed(text))
+        track = lay_track(*sounds, compiled.tables, performer.motion)
+        spoken = (track.ids[:-1] != 0) & (track.ids[1:] != 0)
+        origins = [compiled.origins[row] for row in track.rows[spoken].tolist()]
+        played += len(origins)
+        drawn += sum(authored(one.layer, one.status) for one in origins)
+    return played, drawn
+
+
+@costly()
+@given(
+    texts=st.lists(st.text("aækŋt", min_size=2, max_size=6), min_size=1, max_size=4),
+    shared=STATUSES, own=STATUSES,
+)  # fmt: skip
+def test_what_counts_as_drawn_is_played_and_what_is_drawn_next_plays(texts, shared, own):
+    with TemporaryDirectory() as folder, chdir(folder):
+        write(Path("languages/toy.yaml"), SHADED)
+        paths = Path("posesets/facefx/banks/common.yaml"), Path("characters/anna.yaml")
+        anna = "kind: character\nformat: 1\nname: anna\nposeset: facefx\nbigrams:\n"
+        heads = BANK.format("common"), anna
+        banks = [dict(shared), dict(own)]
+
+        def told():
+            for path, head, stated in zip(paths, heads, banks, strict=True):
+                rows = "".join(STATED.format(*one) for one in stated.items())
+                write(path, head + rows if stated else head.replace("bigrams:\n", ""))
+            found = coverage(
+                [Line(text, f"a.txt:{n}", schedule=timed(text)) for n, text in enumerate(texts)],
+                "toy", "anna", minutes=60,
+            ).reports[0]  # fmt: skip
+            played, drawn = drawn_by_hand(texts, "anna")
+            assert found.occurrences == played
+            assert found.authored.percent == percent(drawn, played)
+            return found, drawn
+
+        before, drawn = told()
+        for name in before.next_hour.bigrams:
+            (row,) = (row for row in before.bigrams if row.bigram == name)
+            banks["anna" in row.stated][name] = "edited"
+            gain = row.count
+            after, now = told()
+            assert now == drawn + gain
+            assert name not in after.next_hour.bigrams
+
+
+def timed(text):
+    return Schedule(tuple(text), np.arange(len(text) + 1) / 10, notation="ipa")
 
 
 def test_a_break_is_within_no_trigram_and_silence_may_begin_one(packs):

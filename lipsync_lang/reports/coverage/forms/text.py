@@ -101,8 +101,13 @@ def _next(report: CoverageReport, minutes: float) -> Iterator[str]:
             f"next: draw {count(len(soon), 'bigram')} in {within}, {minutes:g} minutes each, for "
             f"{percentage_text(report.next_hour.percent)} of the speech:"
         )
-        whose = f"-l {report.language} -c {report.character}"
-        yield f"  lipsync-lang bank draft {whose} --write {' '.join(soon)}"
+        # a draft of a bank is drawn there: the command writes to another, or leaves it alone
+        places = {one.bigram: one.stated for one in report.bigrams if one.bigram in soon}
+        new = [name for name in soon if not places[name]]
+        if new:
+            whose = f"-l {report.language} -c {report.character}"
+            yield f"  lipsync-lang bank draft {whose} --write {' '.join(new)}"
+        yield from (f"  {name} in {place}" for name, place in places.items() if place)
     else:
         yield f"next: draw {report.left.bigrams} bigrams; an hour is not enough for one"
     yield (
