@@ -6,16 +6,19 @@ said misplaces its stretch alone.
 """
 
 import json
+import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import closing
 from dataclasses import replace
 from importlib.util import find_spec
 from itertools import pairwise, zip_longest
 from pathlib import Path
-from threading import Lock
+from threading import RLock
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from lipsync_lang import Audio, Schedule, SpeechError, Word
 from lipsync_lang.base.extras import install_line
@@ -30,7 +33,7 @@ from lipsync_lang.sound.speech.hearing.recognise.recognisers import (
     recogniser,
 )
 from lipsync_lang.sound.speech.hearing.recognition import recognised
-from lipsync_lang.sound.speech.hearing.sphinx.decoders import parts
+from lipsync_lang.sound.speech.hearing.sphinx.decoders import ModelProcess, parts
 from lipsync_lang.sound.speech.hearing.sphinx.scheduling import listed
 from lipsync_lang.sound.speech.sound import INT16_FULL_SCALE, SPEECH_RATE, resampled
 
@@ -54,11 +57,19 @@ FETCH_LINE = f'python -c "{FETCH_CODE}"'
 OTHER_MODEL = f"a model of 99 languages (484 MB, MIT licence): {FETCH_LINE}"
 """Size, licence and command of that model, for messages."""
 
-loaded_models: dict[Path, Any] = {}
+WORKER_SCRIPT = Path(__file__).with_name("whisper_worker.py")
+
+LOADING_SECONDS, PATIENCE = 120.0, 60.0
+"""Seconds to wait for a model, and for each second of its sound."""
+
+MODEL_BYTES, BYTES_PER_BYTE = 2**32, 4
+"""Memory of a process with a model: that of its libraries, and of each byte of the model."""
+
+loaded_models: dict[tuple[int, Path], "WhisperModel"] = {}
 """Models of this process by folder; a failed one is tried again."""
 
-lock = Lock()
-"""Two threads that ask for the same model load it once."""
+lock = RLock()
+"""Two threads that ask for the same model load it once, and use it one after the other."""
 
 PART_SAMPLES = 300 * SPEECH_RATE, 600 * SPEECH_RATE
 """Least and most samples that are transcribed at once; an hour would take gigabytes."""
@@ -99,7 +110,67 @@ QUIET_SHARE = 0.1
 """Loudness of the quietest moment of a pause, at most, as a share of the words' own."""
 
 
-def whisper_model(folder: str | None) -> Any:
+class Segment(NamedTuple):
+    """A segment of a model: its end in seconds, two figures that tell invented words, and words."""
+
+    end: float
+    no_speech: float
+    compression: float
+    words: tuple["RecognisedWord", ...]
+
+    @classmethod
+    def of(cls, answer: Any) -> "Segment | None":
+        """Return a segment from an answer of the worker; None for its last one."""
+        if answer is None:
+            return None
+        end, no_speech, compression, words = answer
+        own = (RecognisedWord(str(text), *map(float, rest)) for text, *rest in words)
+        return cls(float(end), float(no_speech), float(compression), tuple(own))
+
+
+class WhisperModel:
+    """A model that a process of its own reads.
+
+    Raises `SpeechError` if the model cannot be read, or ends its process.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        settings = {
+            "model_size_or_path": str(folder),
+            "device": "cpu",
+            "compute_type": "int8",
+            "cpu_threads": 1,  # builds run one process per core
+            "local_files_only": True,
+            "bytes": MODEL_BYTES + BYTES_PER_BYTE * (folder / "model.bin").stat().st_size,
+        }
+        self._folder = folder
+        self._process = ModelProcess(WORKER_SCRIPT, "Whisper", folder, settings)
+        with closing(self._process.answers(b"", LOADING_SECONDS, dict)) as given:
+            told = next(given)
+        if "languages" not in told:
+            raise SpeechError(
+                f"{folder}: the Whisper model cannot be read ({told.get('fault')}); fetch or "
+                "convert it again"
+            )
+        self.languages: tuple[str, ...] = tuple(told["languages"])
+        """Codes of the languages that it knows."""
+
+    def transcribe(self, samples: npt.NDArray[np.floating], language: str) -> Iterator[Segment]:
+        """Yield the segments of a sound: samples at `SPEECH_RATE`, from -1 to 1."""
+        sent = np.ascontiguousarray(samples, np.float32).tobytes()
+        options = {**SETTINGS, "language": language, "bytes": len(sent)}
+        request = json.dumps(options).encode() + b"\n" + sent
+        patience = LOADING_SECONDS + PATIENCE * len(samples) / SPEECH_RATE
+        try:
+            with lock, closing(self._process.answers(request, patience, Segment.of)) as given:
+                while (segment := next(given)) is not None:
+                    yield segment
+        except SpeechError:
+            loaded_models.pop((os.getpid(), self._folder), None)
+            raise
+
+
+def whisper_model(folder: str | None) -> WhisperModel:
     """Return the model in a folder, which is loaded once in a process.
 
     faster-whisper downloads a model that it is given by name, so it is given folders alone.
@@ -115,39 +186,25 @@ def whisper_model(folder: str | None) -> Any:
 
     Examples
     --------
-    >>> whisper_model("models/whisper-small").supported_languages  # doctest: +SKIP
-    ['af', 'am', ...]
+    >>> whisper_model("models/whisper-small").languages  # doctest: +SKIP
+    ('af', 'am', ...)
     """
-    try:
-        import faster_whisper
-    except (ImportError, OSError):  # OSError: a shared library of the package is missing
+    if find_spec("faster_whisper") is None:
         raise SpeechError(
             "Whisper needs faster-whisper, which is not installed; "
             f"get it with: {install_line('whisper')}"
-        ) from None
+        )
     place = shipped_model() if folder is None else Path(folder).expanduser()
     check_folder(place)
     place = place.absolute()
     with lock:
-        if place not in loaded_models:
-            try:
-                loaded_models[place] = faster_whisper.WhisperModel(
-                    str(place),
-                    device="cpu",
-                    compute_type="int8",
-                    cpu_threads=1,  # builds run one process per core
-                    local_files_only=True,
-                )
-            except Exception as error:  # noqa: BLE001 several libraries read the files
-                reason = str(error).strip().partition("\n")[0] or type(error).__name__
-                raise SpeechError(
-                    f"{place}: the Whisper model cannot be read ({reason}); fetch or convert it "
-                    "again"
-                ) from None
-        return loaded_models[place]
+        key = os.getpid(), place  # a forked process has one of its own
+        if key not in loaded_models:
+            loaded_models[key] = WhisperModel(place)
+        return loaded_models[key]
 
 
-def language_code(model: Any, stated: str, language: str) -> str:
+def language_code(model: WhisperModel, stated: str, language: str) -> str:
     """Return a language's code in a model.
 
     Parameters
@@ -162,9 +219,8 @@ def language_code(model: Any, stated: str, language: str) -> str:
         The model does not know the language.
     """
     code = stated.partition("-")[0].lower()
-    known = model.supported_languages
-    # The library lists one hundred codes for any model of many languages, also those it lacks.
-    if code in known and (len(known) == 1 or model.hf_tokenizer.token_to_id(f"<|{code}|>")):
+    known = model.languages
+    if code in known:
         return code
     knows = f"only '{known[0]}'" if len(known) == 1 else f"{len(known)} others"
     raise SpeechError(
@@ -277,27 +333,22 @@ def _wordless(audio: Audio, speaker: "Speaker") -> Schedule:
     return replace(found, confidence=0.0, remarks=(heard_remark(""), *found.remarks))
 
 
-def _words(model: Any, audio: Audio, code: str) -> list[RecognisedWord]:
+def _words(model: WhisperModel, audio: Audio, code: str) -> list[RecognisedWord]:
     """Return the words of a model, without words that it invents where nobody speaks."""
     samples = resampled(audio, SPEECH_RATE).samples.astype(np.float32) / INT16_FULL_SCALE
     found: list[RecognisedWord] = []
     for start, stop in parts(samples, *PART_SAMPLES):
-        segments, _ = model.transcribe(samples[start:stop], language=code, **SETTINGS)
         with progress.part(start, stop, len(samples)):
-            for segment in segments:
-                progress.tell(float(segment.end), (stop - start) / SPEECH_RATE)
-                invented = segment.no_speech_prob > NO_SPEECH
-                if invented or segment.compression_ratio > REPETITION:
+            for segment in model.transcribe(samples[start:stop], code):
+                progress.tell(segment.end, (stop - start) / SPEECH_RATE)
+                if segment.no_speech > NO_SPEECH or segment.compression > REPETITION:
                     continue
-                for word in segment.words or ():
-                    text = NOISES.sub(" ", word.word)
+                for word in segment.words:
+                    text = NOISES.sub(" ", word.text)
                     # Times count from the start of the part, and some pass the end of the sound.
-                    begin, end = (
-                        min(start / SPEECH_RATE + float(at), audio.seconds)
-                        for at in (word.start, word.end)
-                    )
+                    begin, end = (min(start / SPEECH_RATE + at, audio.seconds) for at in word[1:3])
                     if any(map(str.isalnum, text)):
-                        found.append(RecognisedWord(text, begin, end, float(word.probability)))
+                        found.append(RecognisedWord(text, begin, end, word.chance))
     return found
 
 

@@ -44,6 +44,7 @@ ALLOWED = {
     ("base/files/targets.py", "effective_ids"): "asked for first",
     ("base/files/writing.py", "chown"): "asked for first",
     ("sound/speech/hearing/sphinx/sphinx_worker.py", "resource"): "not on Windows, without a limit",
+    ("plugins/whisper/whisper_worker.py", "resource"): "not on Windows, without a limit",
     ("commands/local_server.py", "getuid"): "only where `os.name` is posix",
     ("base/files/child_processes.py", "SIG_BLOCK"): "after `pthread_sigmask` was asked for",
     ("base/files/child_processes.py", "SIG_SETMASK"): "after `pthread_sigmask` was asked for",

@@ -1,6 +1,7 @@
 """Recognition by Whisper: words come from its model, times from the language's aligner."""
 
 import sys
+from importlib.machinery import ModuleSpec
 from inspect import signature
 from types import SimpleNamespace
 
@@ -13,6 +14,7 @@ from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.plugins.whisper import whisper_recogniser
 from lipsync_lang.plugins.whisper.whisper_recogniser import (
     RecognisedWord,
+    Segment,
     joined,
     language_code,
     stretches,
@@ -92,29 +94,23 @@ def test_a_stretch_that_starts_late_starts_with_silence():
 
 
 def segment(*words, no_speech=0.1, compression=1.0):
-    told = [
-        SimpleNamespace(word=text, start=start, end=end, probability=chance)
-        for text, start, end, chance in words
-    ]
+    told = tuple(RecognisedWord(*word) for word in words)
     end = max((one.end for one in told), default=0)
-    return SimpleNamespace(
-        words=told, end=end, no_speech_prob=no_speech, compression_ratio=compression
-    )
+    return Segment(end, no_speech, compression, told)
 
 
 class Model:
     """A model of two languages that returns given segments."""
 
-    supported_languages = ("en", "de")
-    hf_tokenizer = SimpleNamespace(token_to_id=lambda sign: 1 if sign != "<|yue|>" else None)
+    languages = ("en", "de")
 
     def __init__(self, *segments):
         self.segments = segments
         self.asked = []
 
-    def transcribe(self, samples, language, **_):
+    def transcribe(self, samples, language):
         self.asked.append((len(samples), samples.dtype, language))
-        return iter(self.segments), None
+        return iter(self.segments)
 
 
 @pytest.fixture
@@ -260,14 +256,13 @@ def test_the_code_of_a_language_is_the_first_part_of_its_tag(stated, code):
 def test_a_language_that_the_model_does_not_know_is_told():
     with pytest.raises(SpeechError, match=r"toy \('fi'\).*2 others"):
         language_code(Model(), "fi", "toy")
-    lone = SimpleNamespace(supported_languages=["en"])
+    lone = SimpleNamespace(languages=["en"])
     with pytest.raises(SpeechError, match=r"'de'\), but only 'en'; name the folder"):
         language_code(lone, "de", "toy")
 
 
 def test_a_language_that_is_listed_but_not_in_the_tokeniser_is_told():
     made = Model()
-    made.supported_languages = ("en", "yue")
     with pytest.raises(SpeechError, match=r"does not know toy \('yue'\)"):
         language_code(made, "yue", "toy")
 
@@ -295,9 +290,11 @@ def test_the_folder_of_a_model_is_relative_to_its_pack(tmp_path):
 
 @pytest.fixture
 def installed(monkeypatch):
-    """Replace faster-whisper, which is slow to import."""
-    engine = SimpleNamespace(WhisperModel=lambda *_, **__: pytest.fail("a model was loaded"))
+    """Pretend that faster-whisper is installed, and that no model can be loaded."""
+    engine = SimpleNamespace(__spec__=ModuleSpec("faster_whisper", None))
     monkeypatch.setitem(sys.modules, "faster_whisper", engine)
+    loaded = lambda *_, **__: pytest.fail("a model was loaded")  # noqa: E731
+    monkeypatch.setattr(whisper_recogniser, "ModelProcess", loaded)
 
 
 @pytest.mark.usefixtures("installed")
@@ -348,6 +345,78 @@ def test_a_missing_library_is_told_with_its_cure(monkeypatch):
     monkeypatch.setitem(sys.modules, "faster_whisper", None)
     with pytest.raises(SpeechError, match=r"needs faster-whisper.*pip install .*\[whisper\]"):
         whisper_model(None)
+
+
+WORKERS = {
+    "crash": ("import os; os.abort()", "Whisper ended with the model"),
+    "hang": ("import time; time.sleep(60)", "Whisper did not answer in 1 s with the model"),
+    "garbage": ("print('[1]', flush=True)", "Whisper ended with the model"),
+    "fault": ('print(\'{"fault": "no vocabulary"}\')', r"cannot be read \(no vocabulary\)"),
+    "later": (
+        'print(\'{"languages": ["en"]}\\n[[1]]\', flush=True)',
+        "Whisper ended with the model .*model, which may be damaged; copy its folder again",
+    ),
+}
+
+
+@pytest.mark.usefixtures("fake_folder")
+@pytest.mark.parametrize("name", WORKERS)
+def test_a_model_that_ends_or_hangs_is_told_in_words(name, tmp_path, monkeypatch):
+    code, told = WORKERS[name]
+    script = tmp_path / "worker.py"
+    script.write_text(code, "utf-8")
+    monkeypatch.setattr(whisper_recogniser, "WORKER_SCRIPT", script)
+    if name == "hang":
+        monkeypatch.setattr(whisper_recogniser, "LOADING_SECONDS", 1.0)
+    with pytest.raises(SpeechError, match=told):
+        [*whisper_model(str(tmp_path / "model")).transcribe(np.zeros(RATE), "en")]
+    assert not whisper_recogniser.loaded_models
+
+
+LIBRARY = """
+from types import SimpleNamespace as Told
+class WhisperModel:
+    supported_languages = ["en", "de", "yue"]
+    hf_tokenizer = Told(token_to_id=lambda sign: None if "yue" in sign else 1)
+    def __init__(self, **settings):
+        print("a library talks")
+    def transcribe(self, samples, language, **settings):
+        words = [Told(word=" " + language, start=0, end=len(samples), probability=0.5)]
+        first = Told(words=words, end=1, no_speech_prob=0.25, compression_ratio=2)
+        return iter([first, Told(words=None, end=2, no_speech_prob=0, compression_ratio=1)]), None
+"""
+
+
+@pytest.mark.usefixtures("fake_folder")
+def test_a_model_answers_from_a_process_of_its_own(tmp_path, monkeypatch):
+    (tmp_path / "library").mkdir()
+    (tmp_path / "library/faster_whisper.py").write_text(LIBRARY)
+    monkeypatch.syspath_prepend(tmp_path / "library")
+    made = whisper_model(str(tmp_path / "model"))
+    assert made is whisper_model(str(tmp_path / "model"))
+    assert made.languages == ("en", "de"), "one has no sign in the model"
+    for language, samples in (("en", 3), ("de", 5)):
+        first, second = made.transcribe(np.zeros(samples, np.float32), language)
+        assert first == (1, 0.25, 2, ((f" {language}", 0, samples, 0.5),))
+        assert second == (2, 0, 1, ())
+
+
+@full
+@pytest.mark.usefixtures("fake_folder")
+def test_a_model_that_is_none_never_ends_the_program(tmp_path):
+    pytest.importorskip("faster_whisper")
+    with pytest.raises(SpeechError, match=r"model: the Whisper model cannot be read|Whisper ended"):
+        whisper_model(str(tmp_path / "model"))
+
+
+@pytest.fixture
+def fake_folder(tmp_path, monkeypatch):
+    """A folder with the files of a model, and no loaded models."""
+    monkeypatch.setattr(whisper_recogniser, "loaded_models", {})
+    monkeypatch.setattr(whisper_recogniser, "find_spec", lambda _: True)
+    (tmp_path / "model").mkdir()
+    for file in whisper_recogniser.MODEL_FILES:
+        (tmp_path / "model" / file).write_text("{}")
 
 
 def test_unknown_recognisers_list_the_known_ones(english):
@@ -437,7 +506,7 @@ def test_the_default_is_what_knows_most_of_the_language(monkeypatch):
     assert (chosen(finnish), chosen(english)) == ("SoundRecogniser", "PocketsphinxRecogniser")
 
     class English:
-        supported_languages = ("en",)
+        languages = ("en",)
 
     monkeypatch.setattr(whisper_recogniser, "whisper_model", lambda _: English)
     assert (chosen(finnish), chosen(english)) == ("SoundRecogniser", "WhisperRecogniser")

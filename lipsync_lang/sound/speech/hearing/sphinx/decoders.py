@@ -7,12 +7,13 @@ import json
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Generator, Iterator
+from contextlib import closing
 from pathlib import Path
 from subprocess import DEVNULL, PIPE
 from threading import Timer, local
 from time import monotonic
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 from weakref import finalize
 
 import numpy as np
@@ -52,6 +53,8 @@ DECODER_SCRIPT = Path(__file__).with_name("sphinx_worker.py")
 
 LOADING_SECONDS, PATIENCE = 30.0, 10.0
 """Seconds to wait for a decoder, and for each second of its sound."""
+
+Answer = TypeVar("Answer")
 
 threads = local()
 """Decoders; each takes a second to load and some 100 MB, and serves one thread at a time."""
@@ -109,40 +112,44 @@ def decoded_phones(models: Models, sound: Floats) -> list[HeardPhoneme]:
     ]
 
 
-class _Decoder:
-    """A decoder in a process of its own, which ends with this object."""
+class ModelProcess:
+    """A model that native code reads in a process of its own, which ends with this object.
 
-    def __init__(self, models: Models, settings: dict[str, Any]) -> None:
-        self._models = models
+    Its script reads `settings` and the path of imports as a line of JSON, and then requests. Each
+    answer is a line of JSON.
+    """
+
+    def __init__(self, script: Path, program: str, model: Path, settings: dict[str, Any]) -> None:
+        self._program, self._model = program, model
         self._worker = subprocess.Popen(  # noqa: S603 our own script, no shell
-            [sys.executable, "-I", "-S", str(DECODER_SCRIPT)],
+            [sys.executable, "-I", "-S", str(script)],
             stdin=PIPE,
             stdout=PIPE,
             stderr=DEVNULL,
         )
         finalize(self, _end, self._worker)
-        paths = {"hmm": str(models.acoustic), "dict": str(models.dictionary)}
-        request = {"path": sys.path, "settings": {**paths, **settings}}
+        request = {"path": sys.path, "settings": settings}
         self._start = json.dumps(request).encode() + b"\n"
 
-    def decode(self, samples: bytes) -> list[Segment]:
-        """Return the segments of a sound in 16-bit samples."""
+    def answers(
+        self, request: bytes, patience: float, read: Callable[[Any], Answer]
+    ) -> Generator[Answer]:
+        """Yield all answers to a request within `patience` seconds, as `read` returns them."""
         sent, given = self._worker.stdin, self._worker.stdout
         assert sent is not None and given is not None  # noqa: S101, PT018 both are pipes
-        patience = LOADING_SECONDS + PATIENCE * len(samples) / 2 / SPEECH_RATE
         late, began = Timer(patience, self._worker.kill), monotonic()
         late.start()
         try:
-            sent.write(self._start + b"%d\n" % len(samples) + samples)
+            sent.write(self._start + request)
             sent.flush()
             self._start = b""
-            heard = json.loads(given.readline())
-            return [(str(word), int(first), float(prob)) for word, first, prob in heard]
+            while True:
+                yield read(json.loads(given.readline()))
         except (OSError, ValueError, TypeError):
             hung = monotonic() - began >= patience
             how = f"did not answer in {patience:.0f} s" if hung else "ended"
             raise SpeechError(
-                f"pocketsphinx {how} with the model {self._models.acoustic}, which may be damaged; "
+                f"{self._program} {how} with the model {self._model}, which may be damaged; "
                 "copy its folder again, or name another model"
             ) from None
         finally:
@@ -156,13 +163,22 @@ def _end(worker: "subprocess.Popen[bytes]") -> None:
 
 def _segments(models: Models, sound: Floats, kind: str, **settings: Any) -> list[Segment]:
     """Return the segments of this thread's decoder of a kind, which is loaded once."""
-    loaded: dict[tuple[Models, str], _Decoder] = threads.__dict__.setdefault("loaded", {})
+    loaded: dict[tuple[Models, str], ModelProcess] = threads.__dict__.setdefault("loaded", {})
     if (models, kind) not in loaded:
-        loaded[models, kind] = _Decoder(models, settings)
+        settings |= {"hmm": str(models.acoustic), "dict": str(models.dictionary)}
+        model = models.acoustic
+        loaded[models, kind] = ModelProcess(DECODER_SCRIPT, "pocketsphinx", model, settings)
     # a peak above full scale would wrap round
-    samples = np.clip(np.rint(sound), -(2**15), 2**15 - 1).astype(np.int16)
+    samples = np.clip(np.rint(sound), -(2**15), 2**15 - 1).astype(np.int16).tobytes()
+    patience = LOADING_SECONDS + PATIENCE * len(samples) / 2 / SPEECH_RATE
+    request = b"%d\n" % len(samples) + samples
     try:
-        return loaded[models, kind].decode(samples.tobytes())
+        with closing(loaded[models, kind].answers(request, patience, _read)) as given:
+            return next(given)
     except SpeechError:
         del loaded[models, kind]
         raise
+
+
+def _read(answer: Any) -> list[Segment]:
+    return [(str(word), int(first), float(prob)) for word, first, prob in answer]
