@@ -133,8 +133,8 @@ def coverage(options: Namespace) -> int:
 def _counted(options: Namespace) -> "Coverage":
     """Count all lines together and each column separately."""
     from lipsync_lang.reports.coverage import coverage as count
-    from lipsync_lang.reports.coverage.column_joining import joined
-    from lipsync_lang.reports.coverage.heard_lines import heard_lines
+    from lipsync_lang.reports.coverage.reading_cache import heard_lines
+    from lipsync_lang.reports.coverage.total import joined
     from lipsync_lang.sound.speech.needed_extras import engines_of, refuse_missing
     from lipsync_lang.sound.speech.sound import AUDIO_SUFFIXES
     from lipsync_lang.sound.speech.speaking.speaker import Speaker
@@ -244,7 +244,7 @@ def corpus_parts(options: Namespace) -> list[CorpusPart]:
         Nothing is to be read, or a table has no column for a language.
     """
     from lipsync_lang.packs.finding import Finder, folders_of
-    from lipsync_lang.reports.coverage.heard_lines import is_recording, unwritten
+    from lipsync_lang.reports.coverage.reading_cache import is_recording, unwritten
     from lipsync_lang.text.lines.line_readers import TableLayout, line_files
 
     finder = Finder(folders_of(options.path))

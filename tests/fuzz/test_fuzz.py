@@ -69,7 +69,6 @@ NO_TARGET = {
     "studio/workshop.py": "opens a pair by its name",
     "commands/local_server.py": "an address and a secret that it has written itself",
     "commands/doctor_checks.py": "the licence of a model, of which any text may be shown",
-    "reports/coverage/heard_lines.py": "names files by their bytes; recordings are a target",
     "sound/speech": "what installed engines and models have written; recordings are a target",
 }
 """Modules that open files without a target, with the reason. Plug-ins have their own table."""

@@ -442,6 +442,10 @@ class _Builder:
 
     def _key(self, frame: _Frame, text: str, mark: Event, *, plain: bool) -> None:
         """Store the text as the key of the next value."""
+        if plain and (key := text.strip()) != text:  # YAML leaves out ordinary spaces alone
+            what = f"a no-break space is part of the key '{key}'"
+            self._note(mark, "P005", what, "replace it by an ordinary space")
+            text = key
         frame.key, frame.key_at = text, Position(mark.line + 1, mark.column + 1)
         if text == "<<" and plain:
             frame.dropped = True

@@ -222,6 +222,8 @@ def read_cells(
     table: Path, finder: Finder, encoding: str | None = None, layout: TableLayout = AS_FOUND
 ) -> Cells:
     """Read the first rows of a table, or lines of a script of another format, or of a folder."""
+    if "{" in table.as_posix():
+        raise LipsyncError(f"{table}: rename it: words in braces stand for names of a line")
     found = [file for file, _ in line_files(table, lambda _: None)]
     if not found:
         raise LipsyncError(f"{table}: has no script; name a folder with {', '.join(by_suffix())}")

@@ -53,7 +53,6 @@ MAX_EXAMPLE_CHARS = 40
 SILENT, BREAK = 0, -1
 """Ids of silence, and of a gap with an unknown sound."""
 
-
 COUNTED_FPS = 30.0
 """Frames per second at which gestures are laid; a line has the same gestures at any rate."""
 
@@ -323,12 +322,10 @@ class Count:
                     self.unmapped.add(label, place)
         if self._tallies and words:
             manner, notations = self._speaker.manner, self._speaker.notations
-            self._tally(estimate(transcript, manner, notations[manner.notation]))
+            schedule = estimate(transcript, manner, notations[manner.notation])
+            for tally in self._tallies:
+                tally.add(schedule)
         return self._ids(transcript), [text for word in words for text in word.text.split()]
-
-    def _tally(self, schedule: Schedule) -> None:
-        for tally in self._tallies:
-            tally.add(schedule)
 
     def _ids(self, transcript: Transcript) -> list[int]:
         ids = [self._numbers[name] for name in transcript.phonemes]
@@ -343,7 +340,8 @@ class Count:
         missing = {n for n, label in enumerate(schedule.labels) if notation.find(label) is None}
         for number in sorted(missing):
             self.unmapped.add(schedule.labels[number], line.place)
-        self._tally(schedule)
+        for tally in self._tallies:
+            tally.add(schedule)
         ids, _, source = self._performer.common_phonemes(schedule)
         said = [
             BREAK if number == SILENT and label in missing else number

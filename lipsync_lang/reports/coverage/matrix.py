@@ -11,12 +11,11 @@ from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.finding import Paths, folders_of
 from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces
 from lipsync_lang.performing.gesturing import GestureScales
-from lipsync_lang.reports.coverage.column_joining import shared_of
 from lipsync_lang.reports.coverage.corpus import GestureTally, Pages, Reading, count, units
 from lipsync_lang.reports.coverage.report import Coverage
 from lipsync_lang.reports.coverage.report_figures import CountFigures, report_of
 from lipsync_lang.reports.coverage.scripts import letters_of, scripts_of
-from lipsync_lang.reports.coverage.total import total_of
+from lipsync_lang.reports.coverage.total import shared_of, total_of
 from lipsync_lang.text.lines import Line
 
 

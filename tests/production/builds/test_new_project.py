@@ -295,6 +295,7 @@ def test_a_folder_without_a_script_is_refused(folder, cli):
         (("empty", "script.csv"), "empty: contains no .wav"),
         (("vo", "none.csv"), "none.csv: no such file"),
         (("vo", "/etc/hosts"), "/etc/hosts: is outside of"),
+        (("vo", "my {lines}.csv"), "my {lines}.csv: rename it: words in braces stand for"),
         (("vo", "script.txt"), "script.txt: no line is named like a recording in vo"),
     ],
 )

@@ -6,7 +6,7 @@ import pytest
 from lanes import full
 
 import lipsync_lang as ll
-from lipsync_lang.reports.coverage.heard_lines import unwritten
+from lipsync_lang.reports.coverage.reading_cache import unwritten
 from lipsync_lang.schedules.schedule import Schedule
 
 
@@ -21,9 +21,9 @@ def heard(tmp_path, monkeypatch):
             raise ll.SpeechError(f"{path}: is not sound")
         return Schedule(("m", "iː"), [0.0, 0.1, 0.2], notation="ipa", language="english")
 
-    monkeypatch.setattr("lipsync_lang.reports.coverage.heard_lines.recognised", recognised)
+    monkeypatch.setattr("lipsync_lang.reports.coverage.reading_cache.recognised", recognised)
     monkeypatch.setattr(
-        "lipsync_lang.reports.coverage.heard_lines.folder", lambda: tmp_path / "cache"
+        "lipsync_lang.reports.coverage.reading_cache.folder", lambda: tmp_path / "cache"
     )
     monkeypatch.chdir(tmp_path)
     for name in ("a.wav", "b.flac", "with[1].wav", "torn.wav"):

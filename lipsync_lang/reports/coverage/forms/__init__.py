@@ -30,8 +30,7 @@ FORMS: Extensions[Write] = Extensions(
     "coverage format",
     modules={
         "text": f"{__package__}.text",
-        **dict.fromkeys(("json", "html", "csv"), f"{__package__}.whole"),
-        "junit": f"{__package__}.junit",
+        **dict.fromkeys(("json", "html", "csv", "junit"), f"{__package__}.whole"),
     },
 )
 """Writer functions by the name of the form."""

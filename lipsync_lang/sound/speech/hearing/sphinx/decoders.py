@@ -121,12 +121,8 @@ class ModelProcess:
 
     def __init__(self, script: Path, program: str, model: Path, settings: dict[str, Any]) -> None:
         self._program, self._model = program, model
-        self._worker = subprocess.Popen(  # noqa: S603 our own script, no shell
-            [sys.executable, "-I", "-S", str(script)],
-            stdin=PIPE,
-            stdout=PIPE,
-            stderr=DEVNULL,
-        )
+        command = [sys.executable, "-I", "-S", str(script)]  # our own script, no shell
+        self._worker = subprocess.Popen(command, stdin=PIPE, stdout=PIPE, stderr=DEVNULL)  # noqa: S603
         finalize(self, _end, self._worker)
         request = {"path": sys.path, "settings": settings}
         self._start = json.dumps(request).encode() + b"\n"
