@@ -110,7 +110,7 @@ QUIET_SHARE = 0.1
 """Loudness of the quietest moment of a pause, at most, as a share of the words' own."""
 
 
-class Segment(NamedTuple):
+class HeardSegment(NamedTuple):
     """A segment of a model: its end in seconds, two figures that tell invented words, and words."""
 
     end: float
@@ -119,7 +119,7 @@ class Segment(NamedTuple):
     words: tuple["RecognisedWord", ...]
 
     @classmethod
-    def of(cls, answer: Any) -> "Segment | None":
+    def of(cls, answer: Any) -> "HeardSegment | None":
         """Return a segment from an answer of the worker; None for its last one."""
         if answer is None:
             return None
@@ -155,14 +155,16 @@ class WhisperModel:
         self.languages: tuple[str, ...] = tuple(told["languages"])
         """Codes of the languages that it knows."""
 
-    def transcribe(self, samples: npt.NDArray[np.floating], language: str) -> Iterator[Segment]:
+    def transcribe(
+        self, samples: npt.NDArray[np.floating], language: str
+    ) -> Iterator[HeardSegment]:
         """Yield the segments of a sound: samples at `SPEECH_RATE`, from -1 to 1."""
         sent = np.ascontiguousarray(samples, np.float32).tobytes()
         options = {**SETTINGS, "language": language, "bytes": len(sent)}
         request = json.dumps(options).encode() + b"\n" + sent
         patience = LOADING_SECONDS + PATIENCE * len(samples) / SPEECH_RATE
         try:
-            with lock, closing(self._process.answers(request, patience, Segment.of)) as given:
+            with lock, closing(self._process.answers(request, patience, HeardSegment.of)) as given:
                 while (segment := next(given)) is not None:
                     yield segment
         except SpeechError:

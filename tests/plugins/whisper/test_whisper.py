@@ -13,8 +13,8 @@ import lipsync_lang as ll
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.plugins.whisper import whisper_recogniser
 from lipsync_lang.plugins.whisper.whisper_recogniser import (
+    HeardSegment,
     RecognisedWord,
-    Segment,
     joined,
     language_code,
     stretches,
@@ -96,7 +96,7 @@ def test_a_stretch_that_starts_late_starts_with_silence():
 def segment(*words, no_speech=0.1, compression=1.0):
     told = tuple(RecognisedWord(*word) for word in words)
     end = max((one.end for one in told), default=0)
-    return Segment(end, no_speech, compression, told)
+    return HeardSegment(end, no_speech, compression, told)
 
 
 class Model:

@@ -54,7 +54,7 @@ DECODER_SCRIPT = Path(__file__).with_name("sphinx_worker.py")
 LOADING_SECONDS, PATIENCE = 30.0, 10.0
 """Seconds to wait for a decoder, and for each second of its sound."""
 
-Answer = TypeVar("Answer")
+ReadAnswer = TypeVar("ReadAnswer")
 
 threads = local()
 """Decoders; each takes a second to load and some 100 MB, and serves one thread at a time."""
@@ -128,8 +128,8 @@ class ModelProcess:
         self._start = json.dumps(request).encode() + b"\n"
 
     def answers(
-        self, request: bytes, patience: float, read: Callable[[Any], Answer]
-    ) -> Generator[Answer]:
+        self, request: bytes, patience: float, read: Callable[[Any], ReadAnswer]
+    ) -> Generator[ReadAnswer]:
         """Yield all answers to a request within `patience` seconds, as `read` returns them."""
         sent, given = self._worker.stdin, self._worker.stdout
         assert sent is not None and given is not None  # noqa: S101, PT018 both are pipes
