@@ -14,10 +14,10 @@ emphasized vowels"). The pose set states the amounts, which are far below those 
 """
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.base.errors import LipsyncError
@@ -49,6 +49,9 @@ AROUND_SECONDS = 1.0
 
 SPAN = 4.5
 """Difference from the reference, beyond the tolerance, in decibels at the least and most level."""
+
+BLOCK_SAMPLES = 1 << 20
+"""Samples that are squared at once."""
 
 ENERGY_STEP_SECONDS = 0.01
 """Distance of the frames whose energy is measured."""
@@ -285,10 +288,7 @@ def levels(
         return Level(np.zeros(1), np.ones(1))
     audio, times = schedule.audio, schedule.times
     cuts = np.clip(np.rint(times * audio.rate), 0, len(audio.samples)).astype(np.intp)
-    # float32 squares int16 without overflow, in half the memory of float64
-    samples = audio.samples.astype(np.float32)
-    spans = [samples[low:high] for low, high in pairwise(cuts.tolist())]
-    powers = np.array([float(span @ span) for span in spans])[spoken]
+    powers = np.diff(energies(audio.samples, cuts))[spoken]
     counts = np.diff(cuts)[spoken]
     middles = ((times[:-1] + times[1:]) / 2)[spoken]
     first = np.searchsorted(middles, middles - AROUND_SECONDS)
@@ -305,6 +305,17 @@ def levels(
     # two limits need not lie equally far from 1
     values = 1 + intensity * share * np.where(share > 0, most - 1, 1 - least)
     return Level(middles, values.clip(0))
+
+
+def energies(samples: npt.NDArray[np.int16], cuts: Ints) -> Ints:
+    """Return the exact sum of squares before each cut, in blocks, as sound may last an hour."""
+    found, total = np.zeros(cuts.shape, np.int64), 0
+    for start in range(0, len(samples), BLOCK_SAMPLES):
+        sums = np.cumsum(np.square(samples[start : start + BLOCK_SAMPLES], dtype=np.int64))
+        inside = (cuts > start) & (cuts <= start + len(sums))
+        found[inside] = total + sums[cuts[inside] - start - 1]
+        total += int(sums[-1])
+    return found
 
 
 def frame_levels(
@@ -324,9 +335,7 @@ def frame_levels(
     middles = np.append(np.arange(first, last, ENERGY_STEP_SECONDS), last)
     ends = (middles[:, None] + (-ENERGY_REACH_SECONDS, ENERGY_REACH_SECONDS)).clip(first, last)
     cuts = np.rint(ends * audio.rate).clip(0, len(audio.samples)).astype(np.intp)
-    # float64, because a sum of squares over minutes would lose quiet frames in float32
-    summed = np.concatenate(([0.0], np.cumsum(np.square(audio.samples, dtype=np.float64))))
-    power = np.diff(summed[cuts])[:, 0] / np.diff(cuts)[:, 0].clip(1)
+    power = np.diff(energies(audio.samples, cuts))[:, 0] / np.diff(cuts)[:, 0].clip(1)
     decibels = 10 * np.log10(power.clip(FLOOR**2))
     share = ((decibels - np.median(decibels)) / ENERGY_SPAN).clip(-1, 1)
     least, most = limits

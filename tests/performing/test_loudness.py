@@ -13,6 +13,7 @@ from lipsync_lang import Schedule
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
+from lipsync_lang.performing import effort
 from lipsync_lang.performing.effort import FULL_SCALE, levels
 from lipsync_lang.pipeline.prepare import GIVEN
 from lipsync_lang.schedules.schedule import SILENCE, Audio
@@ -31,6 +32,17 @@ def line(gains, seconds=0.12, *, labels=LABELS):
     at = np.minimum((np.arange(int(times[-1] * RATE)) / RATE / seconds).astype(int), len(gains) - 1)
     wave = np.sin(np.arange(len(at)) * 0.3) * np.array(gains, float)[at]
     return Schedule(labels, times, notation="arpabet", audio=Audio(wave.astype(np.int16), RATE))
+
+
+@given(data=st.data())
+def test_energies_are_exact_sums_in_blocks(data):
+    count = data.draw(st.integers(1, 300))
+    sound = np.random.default_rng(count).integers(-(2**15), 2**15, count).astype(np.int16)
+    cuts = np.array(data.draw(st.lists(st.tuples(*[st.integers(0, count)] * 2), min_size=1)))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(effort, "BLOCK_SAMPLES", data.draw(st.integers(1, 100)))
+        found = effort.energies(sound, cuts)
+    assert found.tolist() == [[sum(int(x) ** 2 for x in sound[:at]) for at in row] for row in cuts]
 
 
 def spoken(schedule):

@@ -352,8 +352,15 @@ def resampled(audio: Audio, rate: int) -> Audio:
     from scipy.signal import resample_poly
 
     common = gcd(audio.rate, rate)
-    samples = resample_poly(audio.samples.astype(np.float32), rate // common, audio.rate // common)
-    return Audio(_whole(samples), rate)
+    up, down = rate // common, audio.rate // common
+    # In blocks, with more around them than the filter reaches: an hour would take gigabytes.
+    block, around, found = BLOCK_SAMPLES // down * down, 16 * down, []
+    for start in range(0, max(len(audio.samples), 1), block):
+        first = max(start - around, 0)
+        part = audio.samples[first : start + block + around].astype(np.float32)
+        at = (start - first) // down * up
+        found.append(_whole(resample_poly(part, up, down)[at : at + block // down * up]))
+    return Audio(np.concatenate(found), rate)
 
 
 def with_sound(

@@ -12,8 +12,11 @@ from lanes import full
 
 import lipsync_lang as ll
 from lipsync_lang.base.errors import SpeechError
+from lipsync_lang.performing.effort import frame_levels, levels
+from lipsync_lang.pipeline.levels import Level
 from lipsync_lang.sound.speech import sound
 from lipsync_lang.sound.speech.hearing.align.spectrum import heard_in, mel_power, samples_of
+from lipsync_lang.sound.speech.hearing.sphinx.scheduling import prepared
 from lipsync_lang.sound.speech.sound import (
     FASTEST,
     MAX_SOUND_SECONDS,
@@ -220,6 +223,41 @@ def test_a_resampled_sound_lasts_as_long(rate, count):
 
 
 @full
+@given(
+    rate=st.sampled_from([SLOWEST, 8000, 11_025, 22_050, 44_100, 48_000]),
+    count=st.integers(1, 4000), block=st.integers(700, 3000),
+)  # fmt: skip
+def test_a_sound_is_resampled_in_blocks_as_in_one(rate, count, block):
+    samples = np.random.default_rng(count).integers(-(2**15), 2**15, count).astype(np.int16)
+    whole = resampled(ll.Audio(samples, rate), RATE).samples
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sound, "BLOCK_SAMPLES", block)
+        assert np.array_equal(resampled(ll.Audio(samples, rate), RATE).samples, whole)
+
+
+def most_bytes(made):
+    """Return the peak of memory that a function takes, once its libraries are there."""
+    made()
+    tracemalloc.start()
+    try:
+        made()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+def test_a_long_sound_is_prepared_in_little_more_memory_than_its_own():
+    long = ll.Audio(np.resize(TONE, 2**23), 3 * RATE)
+    assert most_bytes(lambda: resampled(long, RATE)) < 2**23 * 6
+    slow = ll.Audio(np.resize(TONE, 2**23), RATE)
+    assert most_bytes(lambda: prepared(slow)) < 2**23 * 11
+    timed = ll.Schedule(("a", "b"), [0, 100, 400], audio=slow)
+    spans = (0.0, 2.0)
+    assert most_bytes(lambda: levels(timed, np.ones(2, bool), 1.0, spans, -24.0)) < 2**23 * 5
+    slow_level = Level(np.array([50.0, 250.0]), np.ones(2))
+    assert most_bytes(lambda: frame_levels(slow_level, timed, 1.0, spans)) < 2**23 * 5
+
+
 def test_a_resampled_tone_is_the_same_tone():
     there = resampled(ll.Audio(TONE, RATE), 44_100)
     back = resampled(there, RATE)

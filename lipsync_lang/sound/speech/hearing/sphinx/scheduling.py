@@ -15,7 +15,7 @@ from lipsync_lang.schedules.schedule import SILENCE, Audio, Word
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS, WINDOW_SAMPLES
 from lipsync_lang.sound.speech.hearing.sphinx.forced import HeardPhoneme
-from lipsync_lang.sound.speech.sound import SPEECH_RATE, resampled
+from lipsync_lang.sound.speech.sound import BLOCK_SAMPLES, SPEECH_RATE, resampled
 
 if TYPE_CHECKING:
     from lipsync_lang.sound.speech.hearing.sphinx.folder import Models
@@ -93,10 +93,14 @@ def prepared(audio: Audio, peak: float | None = None) -> Floats:
     """
     samples = resampled(audio, SPEECH_RATE).samples.astype(np.float64)
     if peak is None:
-        peak = float(np.abs(samples).max(initial=0.0))
+        peak = max(float(samples.max(initial=0)), -float(samples.min(initial=0)))
+    samples *= PEAK_AMPLITUDE / peak if peak > 0 else 1.0
     # A fixed seed: the same sound must always give the same schedule.
-    noise = np.random.default_rng(0).normal(0.0, HISS_DEVIATION, len(samples))
-    return samples * (PEAK_AMPLITUDE / peak if peak > 0 else 1.0) + noise
+    hiss = np.random.default_rng(0)
+    for start in range(0, len(samples), BLOCK_SAMPLES):
+        part = samples[start : start + BLOCK_SAMPLES]
+        part += hiss.normal(0.0, HISS_DEVIATION, len(part))
+    return samples
 
 
 def confidence(models: "Models", heard: Sequence[HeardPhoneme]) -> float:
