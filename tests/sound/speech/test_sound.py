@@ -251,9 +251,10 @@ def test_a_long_sound_is_prepared_in_little_more_memory_than_its_own():
     assert most_bytes(lambda: resampled(long, RATE)) < 2**23 * 6
     slow = ll.Audio(np.resize(TONE, 2**23), RATE)
     assert most_bytes(lambda: prepared(slow)) < 2**23 * 11
-    timed = ll.Schedule(("a", "b"), [0, 100, 400], audio=slow)
+    timed = ll.Schedule(("a",) * 400, np.arange(401.0).tolist(), audio=slow)
     spans = (0.0, 2.0)
-    assert most_bytes(lambda: levels(timed, np.ones(2, bool), 1.0, spans, -24.0)) < 2**23 * 5
+    said = np.ones(400, bool)
+    assert most_bytes(lambda: levels(timed, said, 1.0, spans, -24.0)) < 2**23 * 5
     slow_level = Level(np.array([50.0, 250.0]), np.ones(2))
     assert most_bytes(lambda: frame_levels(slow_level, timed, 1.0, spans)) < 2**23 * 5
 
