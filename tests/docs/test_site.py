@@ -12,7 +12,8 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 from lanes import full
-from places import ROOT
+from places import ROOT, TESTS
+from test_consumers import chromium, found, run
 
 pytest.importorskip("mkdocs", reason="the site needs mkdocs, which is an extra")
 pytest.importorskip("mkdocstrings", reason="the site needs mkdocstrings, which is an extra")
@@ -305,3 +306,14 @@ def test_the_api_page_documents_every_public_name(pages):
     told = re.sub(r"\s+", " ", " ".join(page.text))
     for title in ("Parameters:", "Returns:", "Raises:", "Examples:"):
         assert title in told
+
+
+@full
+@pytest.mark.xdist_group("site")
+def test_every_page_fits_a_phone_and_can_be_read_and_found(site):
+    node, modules = found("playwright-core")
+    shown = run(node, TESTS / "browser/site.mjs", modules, chromium(), site, "trigram")
+    assert (shown["said"], shown["asked"]) == ([], [])
+    assert (shown["wide"], shown["faint"]) == ([], [])
+    assert shown["read"] == len([path for path in site.rglob("*.html") if path.name != "404.html"])
+    assert any("trigram" in title.lower() for title in shown["found"])
