@@ -211,6 +211,7 @@ def marked(draw, performer, notation):
 
 
 @pytest.mark.parametrize("language", swept(RESTING, 3))
+@settings(max_examples=16)  # for each language
 @given(st.data())
 def test_marks_of_a_whole_schedule_count_from_its_first_vowel(language, data):
     """With the default: a schedule of any notation, whole, or in parts that come in time."""
