@@ -328,6 +328,11 @@ class LabelReader:
         return np.array([manners.get(kind, CONSONANT_MANNER) for kind in self.kinds], np.intp)
 
     @cached_property
+    def noises(self) -> frozenset[str]:
+        """Labels of noise, as `normalise` spells them, in small letters."""
+        return frozenset(normalise(label).casefold() for label in self.compiled.noises)
+
+    @cached_property
     def _tables(self) -> dict[int, LabelTable]:
         """Labels of each notation, by its identity."""
         return {}
@@ -406,7 +411,7 @@ def _pace(schedule: Schedule) -> Iterator[str]:
     """Yield a remark on sounds that follow each other faster than anyone speaks."""
     sounds = np.array([label != SILENCE for label in schedule.labels])
     starts, lengths = schedule.times[:-1][sounds], np.diff(schedule.times)[sounds]
-    ends = np.cumsum([0.0, *lengths])
+    ends = np.concatenate(([0.0], np.cumsum(lengths)))
     spans = ends[FAST_SOUNDS:] - ends[:-FAST_SOUNDS]
     at = np.flatnonzero(spans < FAST_SECONDS)
     fast = [f"{FAST_SOUNDS} sounds in {spans[n]:.2f} s, at {starts[n]:.2f} s" for n in at]
@@ -438,21 +443,25 @@ def _by_features(reader: LabelReader, schedule: Schedule) -> Iterator[str]:
 
 def _noise(reader: LabelReader, schedule: Schedule) -> Iterator[str]:
     """Yield a remark on labels of noise and of speech that an aligner could not read."""
-    noises = {normalise(label).casefold() for label in reader.compiled.noises}
     notation = reader.notation(schedule)
-    silence = notation.silence
+    noise = {
+        label
+        for label in {*schedule.labels}
+        if normalise(label).casefold() in reader.noises and notation.find(label) == notation.silence
+    }
+    if not noise:
+        return
     counts: Counter[str] = Counter()
     seconds = 0.0
     for label, start, end in zip(schedule.labels, schedule.times, schedule.times[1:], strict=False):
-        if normalise(label).casefold() in noises and notation.find(label) == silence:
+        if label in noise:
             counts[label] += 1
             seconds += float(end - start)
-    if counts:
-        named = (f"{label!r} ({n})" for label, n in counts.items())
-        yield (
-            f"{schedule.source}: noise or unreadable speech, during which the mouth rests for "
-            f"{seconds:.1f} s: {shortlist(named, MAX_SHOWN)}"
-        )
+    named = (f"{label!r} ({n})" for label, n in counts.items())
+    yield (
+        f"{schedule.source}: noise or unreadable speech, during which the mouth rests for "
+        f"{seconds:.1f} s: {shortlist(named, MAX_SHOWN)}"
+    )
 
 
 def _notation(reader: LabelReader, schedule: Schedule) -> Iterator[str]:

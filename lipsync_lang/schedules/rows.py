@@ -264,6 +264,9 @@ def _shared(rows: Iterable[LabelRow]) -> Iterator[LabelRow]:
         late = groups and _one_time(group[0].start, group[-1].end, groups[-1][-1].end)
         groups += [groups.pop() + group if late else group]
     for group in groups:
+        if len(group) == 1:
+            yield group[0]
+            continue
         start, stop = group[0].start, group[-1].end
         bounds = [start + (stop - start) * at / len(group) for at in range(len(group))]
         spans = zip(group, bounds, [*bounds[1:], stop], strict=True)

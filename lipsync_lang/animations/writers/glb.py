@@ -14,7 +14,7 @@ With `face`, the model's data are in that file, and all lines beside it refer to
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from functools import lru_cache, reduce
+from functools import reduce
 from pathlib import Path
 from typing import BinaryIO
 from urllib.parse import quote
@@ -53,7 +53,7 @@ def unplaced(animation: Animation) -> Iterator[str]:
         return
     channels = animation.columns
     model = _model(animation.model, channels)
-    placed = [_placing(channels, mesh) for mesh in model.meshes]
+    placed = [on_mesh(channels, mesh) for mesh in model.meshes]
     shown = {number for one in placed for number in one.shapes}
     lost = [
         number
@@ -92,9 +92,6 @@ def animated_model(animation: Animation) -> Model:
 
 def _model(path: Path, channels: tuple[Channel, ...]) -> Model:
     return known_model(path, bones=any(channel.node is not None for channel in channels))
-
-
-_placing = lru_cache(maxsize=64)(on_mesh)
 
 
 @binary_writer("glb", suffix=".glb", remarks=unplaced, refuse=animated_model)
@@ -233,7 +230,7 @@ def _move_shapes(
     driven: dict[int, dict[int, list[int]]] = {}
     for mesh in take.model.meshes:
         columns = driven.setdefault(mesh.number, defaultdict(list))
-        for column, shapes in _placing(channels, mesh).shapes.items():
+        for column, shapes in on_mesh(channels, mesh).shapes.items():
             for shape in shapes:
                 columns[mesh.shapes.index(shape)].append(column)
     samplers: dict[tuple[int, tuple[float, ...]], int] = {}

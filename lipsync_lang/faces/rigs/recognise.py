@@ -221,7 +221,7 @@ def find(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
     doubts: dict[str, None] = {}
     bound: dict[str, dict[str, float]] = defaultdict(dict)
     for mesh in model.meshes:
-        on = on_mesh(channels, mesh)
+        on = on_mesh(tuple(channels), mesh)
         for number, weights in on.bound.items():
             bound[channels[number].name].update(weights)
         for number, shapes in on.shapes.items():

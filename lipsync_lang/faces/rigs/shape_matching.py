@@ -85,8 +85,12 @@ def placed(channels: Sequence[Channel], shapes: Sequence[str]) -> Placement:
     return found
 
 
-def on_mesh(channels: Sequence[Channel], mesh: Mesh) -> Placement:
-    """Assign a model's channels on one mesh; channels bound to that mesh come first."""
+@lru_cache(maxsize=64)
+def on_mesh(channels: tuple[Channel, ...], mesh: Mesh) -> Placement:
+    """Assign a model's channels on one mesh; channels bound to that mesh come first.
+
+    All lines of a character share the result, so read it only.
+    """
     found = Placement()
     for mine in ({mesh.name, mesh.given} - {None}, {None}):
         numbers = [n for n, channel in enumerate(channels) if channel.mesh in mine]

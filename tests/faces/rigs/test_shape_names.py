@@ -269,7 +269,7 @@ def test_patterns(pattern, shape, does):
 
 def test_a_channel_that_names_a_mesh_comes_first_there_and_is_nowhere_else():
     face, teeth = (Mesh(n, name, name, ("open",), (0.0,)) for n, name in enumerate(("f", "t")))
-    some = [Channel("open"), Channel("bite", ("open",), mesh="t")]
+    some = Channel("open"), Channel("bite", ("open",), mesh="t")
     assert on_mesh(some, face).shapes == {0: ["open"]}
     assert on_mesh(some, teeth).shapes == {1: ["open"]}
 
