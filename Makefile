@@ -118,8 +118,8 @@ prose: $(VENV)/ready ## check the words of pages, messages, scripts and packs: m
 types: $(VENV)/ready ## check types
 	$(BIN)/mypy
 
-bench: $(VENV)/ready ## print how fast things are: make bench SECTION=stream LINES=10000 JSON=file
-	$(BIN)/python benchmarks/speed.py $(SECTION:%=--only %) $(LINES:%=--lines %) $(JSON:%=--json %)
+bench: $(VENV)/ready ## print how fast things are: make bench SECTION=stream LINES=10000 JSON=file AGAINST=revision
+	$(BIN)/python benchmarks/speed.py $(SECTION:%=--only %) $(LINES:%=--lines %) $(JSON:%=--json %) $(AGAINST:%=--against %)
 
 articulography: $(VENV)/ready ## compare curves with recordings of real mouths: make articulography RECORDINGS=folder
 	$(BIN)/python benchmarks/articulography.py $(RECORDINGS)

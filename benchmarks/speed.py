@@ -1,6 +1,7 @@
 """Print how fast things are, beside their goals.
 
 python benchmarks/speed.py [--only SECTION] [--lines N] [--json FILE] [--page FILE]
+python benchmarks/speed.py --against REVISION [--lines N]
 
 Each section runs in a process of its own, so that its peak memory is its own. Times are the least
 of some runs. The column `no kernel` has them with LIPSYNC_LANG_KERNEL=off, `peak` the memory of the
@@ -21,6 +22,7 @@ from pathlib import Path
 os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # every command would compile every module
 
+import speed_against
 import speed_builds
 import speed_game
 import speed_performing
@@ -77,6 +79,7 @@ def parsed() -> argparse.Namespace:
     parser.add_argument("--lines", type=int, default=LINES, help="lines of a build [%(default)s]")
     parser.add_argument("--json", type=Path, help="file for the figures")
     parser.add_argument("--page", type=Path, help="page whose first text block the figures replace")
+    parser.add_argument("--against", metavar="REVISION", help="print ratios to another revision")
     parser.add_argument("--rows", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.lines < 2 * speed_script.EDITED:
@@ -110,6 +113,10 @@ def main() -> int:
     options = parsed()
     if options.rows:
         return measure(options.only[0], options)
+    if options.against:
+        for line in speed_against.compare(options.against, options.lines):
+            print(line)
+        return 0
     there = machine()
     print(top(there), flush=True)
     failed = False
