@@ -334,21 +334,16 @@ def _with_postures(tables: Tables, posture: dict[str, Any]) -> Tables:
         return one._replace(curves=beside(one.curves, 0))
 
     return replace(
-        tables,
-        curves=beside(tables.curves, 0),
-        styles=tuple(map(bank, tables.styles)),
+        tables, curves=beside(tables.curves, 0), styles=tuple(map(bank, tables.styles)),
         contacts=tuple(
             Contact(one.phonemes, beside(one.floor, 0), beside(one.ceiling, ceiling))
             for one, ceiling in zip(tables.contacts, posture["ceilings"], strict=True)
         ),
-        thresholds=square(tables.thresholds),
-        paper=square(tables.paper),
-        priority=beside(tables.priority, YIELDING),
+        thresholds=square(tables.thresholds), paper=square(tables.paper),
+        priority=beside(tables.priority, YIELDING), opposed=beside(tables.opposed, 0),
         softness=beside(tables.softness, posture["softness"]),
-        anticipate=beside(tables.anticipate, 0),
-        highest=beside(tables.highest, 1),
-        opposed=beside(tables.opposed, 0),
-    )
+        anticipate=beside(tables.anticipate, 0), highest=beside(tables.highest, 1),
+    )  # fmt: skip
 
 
 def _sounding(compiled: CompiledPair) -> Floats:

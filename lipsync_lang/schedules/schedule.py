@@ -217,13 +217,11 @@ class Schedule:
         if seconds == 0:
             return self
         return replace(
-            self,
-            labels=(*self.labels, SILENCE),
-            times=np.append(self.times, self.end + seconds),
+            self, labels=(*self.labels, SILENCE), times=np.append(self.times, self.end + seconds),
             stress=(*self.stress, None) if self.stress else (),
             lines=(*self.lines, self.lines[-1]) if self.lines else (),
             likely=(*self.likely, ()) if self.likely else (),
-        )
+        )  # fmt: skip
 
     def weighed(self, count: int) -> list[Self]:
         """Return copies with the likely labels of each phoneme, each in its share of the copies.

@@ -19,6 +19,7 @@ from lipsync_lang.sound.speech.speaking.espeak import (
     MAX_ESPEAK_CHARS,
     Espeak,
     SpokenSound,
+    closed,
     intervals,
     read_events,
 )
@@ -278,6 +279,33 @@ def test_a_sound_without_length_gets_its_closure_or_a_part_of_its_neighbour():
     assert of(("a", 100), ("l", 0), ("z", 50)) == [("a", 70), ("l", 30), ("z", 50)]
     assert of(("_", 90), ("l", 0), ("a", 100)) == [("_", 90), ("l", 30), ("a", 70)]
     assert of(("l", 90), ("l", 0), ("a", 100)) == [("l", 90), ("a", 100)]
+
+
+@given(
+    st.lists(st.tuples(st.sampled_from([SILENCE, "a", "p"]), st.integers(1, 9)), min_size=1),
+    st.data(),
+)
+def test_only_a_silence_of_all_samples_moves_to_the_sound_behind_it(rows, data):
+    labels, lengths = zip(*rows, strict=True)
+    bounds = [0, *itertools.accumulate(lengths)]
+    loud = data.draw(st.lists(st.sampled_from([0, -1, 9, -(2**15)]), min_size=bounds[-1]))
+    samples = np.array(loud, np.int16)
+    moved = closed(labels, bounds, samples, 3)
+    assert (moved[0], moved[-1]) == (bounds[0], bounds[-1])
+    assert all(a < z for a, z in itertools.pairwise(moved))
+    for start, known in zip(moved, bounds, strict=True):
+        assert (np.abs(samples[start:known].astype(int)) <= 1).all()
+
+
+@needs_espeak
+@pytest.mark.parametrize(("text", "label"), [("a topper", "p"), ("the cocoa", "k")])
+def test_a_stop_begins_with_its_closure(text, label):
+    schedule = speak(text, "en-us")
+    number = len(schedule) - 1 - schedule.labels[::-1].index(label)
+    first = round(schedule.times[number] * schedule.audio.rate)
+    closure = schedule.audio.samples[first : first + round(0.03 * schedule.audio.rate)]
+    assert np.abs(closure.astype(int)).max() <= 1
+    assert schedule.labels[number - 1] != SILENCE
 
 
 def test_modifiers_join_the_sound_before():
