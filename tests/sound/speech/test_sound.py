@@ -246,10 +246,14 @@ def most_bytes(made):
         tracemalloc.stop()
 
 
-def test_a_long_sound_is_prepared_in_little_more_memory_than_its_own():
+def test_a_long_sound_is_prepared_in_little_more_memory_than_its_own(tmp_path, monkeypatch):
     long = ll.Audio(np.resize(TONE, 2**23), 3 * RATE)
     assert most_bytes(lambda: resampled(long, RATE)) < 2**23 * 6
     slow = ll.Audio(np.resize(TONE, 2**23), RATE)
+    path = tmp_path / "long.wav"
+    soundfile.write(path, slow.samples[: 2**22], RATE)
+    monkeypatch.setattr(sound, "BLOCK_SAMPLES", 2**16)
+    assert most_bytes(lambda: read_audio(path)) < 2**22 * 3
     assert most_bytes(lambda: prepared(slow)) < 2**23 * 11
     timed = ll.Schedule(("a",) * 400, np.arange(401.0).tolist(), audio=slow)
     spans = (0.0, 2.0)
