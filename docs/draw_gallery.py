@@ -26,7 +26,7 @@ from scipy.optimize import nnls
 import lipsync_lang as ll
 from lipsync_lang.animations.writers.wav import write_samples
 from lipsync_lang.packs.finding import built_in
-from lipsync_lang.packs.yaml.events import load_yaml
+from lipsync_lang.packs.library import Library
 from lipsync_lang.render.model.camera import framed
 from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.staging import staged, sweep
@@ -171,12 +171,8 @@ def _mouth(image: Image.Image, mouth: Mouth) -> None:
 
 def targets(name: str) -> dict[str, list[dict[str, float]]]:
     """Return the targets of a pose set: for each phoneme, one or two sets of weights."""
-    pack = load_yaml((built_in() / "posesets" / name / "poseset.yaml").read_text("utf-8"))
-    listed = {key: one if isinstance(one, list) else [one] for key, one in pack["targets"].items()}
-    return {
-        key: [{p: v for p, v in part.items() if p != "dominance"} for part in parts]
-        for key, parts in listed.items()
-    }
+    listed = Library().poseset(name).model.targets
+    return {key: [dict(part.weights) for part in parts] for key, parts in listed.items()}
 
 
 def worth(name: str, poses: tuple[str, ...], others: tuple[str, ...]) -> np.ndarray:
