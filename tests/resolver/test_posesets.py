@@ -118,6 +118,15 @@ def test_every_phoneme_has_a_target_and_every_pose_a_title(name):
     assert model.measures
 
 
+@pytest.mark.parametrize("round_vowel", ["uː", "ʊ", "ɔː"])
+def test_a_round_vowel_does_not_part_the_teeth_of_an_s_before_it(round_vowel):
+    schedule = Schedule(("_", "s", round_vowel, "_"), (0, 0.2, 0.36, 0.6, 0.8), notation="ipa")
+    animation = resolve("english", "facefx").perform(schedule)
+    hissing = (animation.times >= 0.22) & (animation.times <= 0.3)
+    assert animation["W"][hissing].max() < 0.25
+    assert animation["W"].max() > 0.3, "the vowel itself is round"
+
+
 @pytest.mark.parametrize(("before", "after"), [("v", "m"), ("f", "p"), ("v", "b")])
 def test_teeth_let_go_of_the_lip_where_lips_press(before, after):
     labels = ("_", "a", before, after, "a", "_")
