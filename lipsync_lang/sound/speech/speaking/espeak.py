@@ -84,21 +84,18 @@ class Espeak(EspeakProcess):
             say = partial(self.speak, voice=voice, words_per_minute=words_per_minute)
             yield from map(tried(say), chain(first, source))
             return
-        try:
-            rate = _rate(words_per_minute)
-        except SpeechError as error:
-            yield from (error for _ in chain(first, source))
+        rate = tried(_rate)(words_per_minute)
+        if isinstance(rate, SpeechError):
+            yield from (rate for _ in chain(first, source))
             return
         ours, workers = tee(map(tried(_plain), chain(first, source)))
         spoken = answers(self, (one for one in workers if isinstance(one, str)), voice, rate)
+
+        def made(text: str) -> Schedule:
+            return _schedule(*raised(next_result(spoken)), text)
+
         for text in ours:
-            if isinstance(text, SpeechError):
-                yield text
-                continue
-            try:
-                yield _schedule(*raised(next_result(spoken)), text)
-            except SpeechError as error:
-                yield error
+            yield text if isinstance(text, SpeechError) else tried(made)(text)
         exhaust(spoken)
 
 

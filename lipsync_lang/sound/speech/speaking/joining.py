@@ -51,17 +51,11 @@ def estimate(transcript: Transcript, manner: Manner, notation: Notation) -> Sche
     stress = tuple(next(marks, None) if label != SILENCE else None for label in labels)
     stress = stress if transcript.stress else ()
     return Schedule(
-        tuple(labels),
-        np.concatenate([[0.0], np.cumsum(lengths)]),
-        words=tuple(words),
-        notation=transcript.notation,
-        language=transcript.language,
-        estimated=True,
-        source=f"text {quoted(transcript.text)}",
-        unread=transcript.unread,
-        stress=stress,
+        tuple(labels), np.concatenate([[0.0], np.cumsum(lengths)]), words=tuple(words),
+        notation=transcript.notation, language=transcript.language, estimated=True,
+        source=f"text {quoted(transcript.text)}", unread=transcript.unread, stress=stress,
         remarks=transcript.advice,
-    )
+    )  # fmt: skip
 
 
 def _refuse_nothing(labels: Sequence[str], transcript: Transcript) -> None:
@@ -170,16 +164,11 @@ def _scheduled(
             min(filter(None, spoken.stress[low:high]), default=None) for low, high in pairwise(cuts)
         )
     return replace(
-        spoken,
-        labels=tuple(labels),
-        times=np.array(times),
-        stress=stress,
-        words=_words(transcript, numbers),
-        notation=transcript.notation,
-        language=transcript.language,
-        unread=transcript.unread,
+        spoken, labels=tuple(labels), times=np.array(times), stress=stress,
+        words=_words(transcript, numbers), notation=transcript.notation,
+        language=transcript.language, unread=transcript.unread,
         remarks=(*spoken.remarks, *transcript.advice),
-    )
+    )  # fmt: skip
 
 
 def _stress_with_pauses(transcript: Transcript) -> list[int | None]:
