@@ -504,7 +504,7 @@ class _Builder:
 
     def _tagged(self, event: Event) -> None:
         what = f"tags such as '{event.tag}' are not supported"
-        hint = "delete it; quotes turn any value into text"
+        hint = "delete it, or write the label in quotes"
         self._note(event.start_mark, "P014", what, hint)
 
     def _not_a_key(self, mark: Event) -> bool:
