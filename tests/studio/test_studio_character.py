@@ -97,7 +97,7 @@ def test_a_rig_turns_poses_into_its_channels(tmp_path):
     assert len(row["channels"]) > len(performer.poses)
 
 
-@pytest.mark.parametrize("poseset", ["crab", "facefx", "vrm"])
+@pytest.mark.parametrize("poseset", ["crab", "facefx", "vrm", "vrm0"])
 def test_a_copy_of_a_pose_set_performs_bit_for_bit_as_the_original(tmp_path, poseset):
     workshop, caller = opened(tmp_path, poseset)
     before = bits(workshop)
@@ -112,6 +112,27 @@ def test_a_copy_of_a_pose_set_performs_bit_for_bit_as_the_original(tmp_path, pos
     assert caller.api("character").json["own"]
     assert workshop.performer.model in {None, home / "model.glb"}
     assert bits(workshop) == before
+
+
+def test_a_pose_set_that_extends_another_is_told_whole_and_edited_in_its_own_file(tmp_path):
+    workshop, caller = opened(tmp_path, "vrm0")
+    stated = caller.api("character").json["stated"]
+    model = LIBRARY.poseset("vrm0").model
+    assert stated["targets"]["aa"][0]["weights"] == dict(model.targets["aa"][0].weights)
+    assert stated["constraints"]["pairs"][0]["between"] == ["u", "i"]
+    caller.post("own")
+    pairs = [{**pair, "threshold": 1.5} for pair in stated["constraints"]["pairs"]]
+    edits = [
+        {"file": "poseset", "at": ["targets", "aa"], "value": {"weights": {"a": 0.5}}},
+        {"file": "poseset", "at": ["constraints", "pairs"], "value": pairs},
+    ]
+    assert caller.post("edit", {"title": "Edit", "edits": edits}).status == 200
+    caller.post("save")
+    made = Library([tmp_path]).poseset("vrm0").model
+    assert made.targets["aa"][0].weights == {"a": 0.5}
+    assert {pair.threshold for pair in made.constraints.pairs} == {1.5}
+    assert {**made.targets, "aa": ()} == {**model.targets, "aa": ()}
+    assert workshop.performer.poses == tuple(model.poses)
 
 
 def test_banks_of_the_project_come_first_after_the_copy_too(tmp_path):
