@@ -15,7 +15,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from lipsync_lang.base.arrays import Floats, Ints
+from lipsync_lang.base.arrays import Ints
 from lipsync_lang.base.errors import ScheduleError, did_you_mean, shortlist
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.performing.effort import (
@@ -84,18 +84,8 @@ class LabelReader:
     paths: tuple[Path, ...] = ()
     shades: bool = True
 
-    def common_phonemes(self, schedule: Schedule) -> tuple[Ints, Floats, Ints]:
-        """Map the labels of a schedule to common phonemes.
-
-        Returns
-        -------
-        (m,) common phoneme numbers, (m + 1,) boundaries in seconds, and (m,) indices of the source
-        phonemes in the schedule
-        """
-        return self.read([schedule])[0][:3]
-
     def read(self, schedules: Sequence[Schedule]) -> list[LabelSounds]:
-        """Map the labels of schedules to common phonemes, all at once.
+        """Map the labels of schedules to common phonemes.
 
         Raises
         ------

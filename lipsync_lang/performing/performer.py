@@ -142,7 +142,7 @@ class Performer(PlayedPair):
     ) -> list[Animation]:
         """Animate many schedules; each animation equals that of `perform` bit by bit.
 
-        Labels of all schedules are mapped at once. Batches of some hundreds keep memory low.
+        Batches of some hundreds keep memory low.
 
         Parameters
         ----------
@@ -344,7 +344,7 @@ class Performer(PlayedPair):
         self, schedule: Schedule, *, line: str | None = None, styles: DialLevels | None = None
     ) -> Track:
         """Lay out the phonemes of a schedule as `perform` does, without rendering frames."""
-        ids, times, source = self.labels.common_phonemes(schedule)
+        ids, times, source = self.common_phonemes(schedule)
         blends, _ = delivery(self.compiled, schedule, line, styles, None)
         return lay_track(ids, times, source, self.tables(blends), self.motion, blends)
 
@@ -353,8 +353,11 @@ class Performer(PlayedPair):
         return animation.explain(seconds)
 
     def common_phonemes(self, schedule: Schedule) -> tuple[Ints, Floats, Ints]:
-        """Map the labels of a schedule to common phonemes; see `LabelReader.common_phonemes`."""
-        return self.labels.common_phonemes(schedule)
+        """Map the labels of a schedule to (m,) common phonemes.
+
+        The others are (m + 1,) boundaries in seconds, and (m,) indices of the labels.
+        """
+        return self.labels.read([schedule])[0][:3]
 
     def automatic(self, schedule: Schedule) -> "dict[str, Nearest]":
         """Return the labels mapped only by features; see `LabelReader.automatic`."""
