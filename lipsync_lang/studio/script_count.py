@@ -220,8 +220,7 @@ class ScriptCount:
             raise LipsyncError(f"{self.name} cannot be read: {error.strerror}") from None
         compiled = performer.compiled
         sounds = (compiled.manner, compiled.words, compiled.notations, compiled.counted)
-        played = tuple(compiled.report.trigrams), units(performer).tobytes()
-        key = digest, reading, sounds, played
+        key = digest, reading, sounds, tuple(compiled.report.trigrams), units(performer).tobytes()
         if self._run is not None and self._run.key == key:
             return
         if self._run is not None:

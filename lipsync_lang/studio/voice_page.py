@@ -17,7 +17,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.performing.performer import Performer
-from lipsync_lang.production.live.web_socket import Client, Session
+from lipsync_lang.production.live.web_socket import BUSY, MAX_CLIENTS, Client, Session
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
@@ -34,6 +34,7 @@ def voice_app(
     A character that drives a rig is a `LipsyncError`: the page knows poses alone.
     """
     moving = session.open_gestures() is not None
+    pages: list[WebSocket] = []
     document, script = _face_document(performer, gestures=moving), bundle("voice/voice").encode()
 
     async def data(_: Request) -> Response:
@@ -47,7 +48,7 @@ def voice_app(
         return await static_file(request)
 
     async def sound(socket: WebSocket) -> None:
-        await _hear(socket, session)
+        await hear(socket, session, pages)
 
     routes = [
         Route("/", page), Route("/face.json", data), Route("/voice.bundle.js", code),
@@ -73,10 +74,14 @@ def _face_document(performer: Performer, *, gestures: bool) -> dict[str, str]:
     return {"document": json.dumps(document), "block": block}
 
 
-async def _hear(socket: WebSocket, session: Session) -> None:
-    """Answer each message of a page until it leaves."""
-    client = Client(session)
+async def hear(socket: WebSocket, session: Session, pages: list[WebSocket]) -> None:
+    """Answer each message of a page until it leaves, unless too many `pages` are heard."""
     await socket.accept()
+    if len(pages) >= MAX_CLIENTS:
+        await socket.close(BUSY, f"{MAX_CLIENTS} clients are connected already")
+        return
+    client = Client(session)
+    pages.append(socket)
     try:
         with suppress(WebSocketDisconnect):  # before an answer was sent
             await socket.send_text(json.dumps(session.greeting))
@@ -84,4 +89,5 @@ async def _hear(socket: WebSocket, session: Session) -> None:
                 content = message.get("bytes") or message.get("text") or ""
                 await socket.send_text(json.dumps(await asyncio.to_thread(client.answer, content)))
     finally:
+        pages.remove(socket)
         client.sound.finish()

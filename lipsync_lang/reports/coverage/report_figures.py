@@ -40,18 +40,17 @@ class CountFigures:
     def trigrams(self, performer: Performer) -> tuple[TrigramNeed, ...]:
         """Return the trigrams that a character plays, most frequent first."""
         compiled, counted = performer.compiled, self.count
-        found = []
-        for name, origin in {one.name: one for one in compiled.origins if one.triple}.items():
-            lines = counted.first_trigrams.get(name, ())
-            need = TrigramNeed(
+        found = [
+            TrigramNeed(
                 trigram=name,
                 # a trigram plays in place of both of its bigrams
                 count=counted.trigrams.get(name, Counter()).total() // 2,
                 layer=origin.layer,
                 status=origin.status,
-                places=tuple(self.pages[line][0] for line in lines),
+                places=tuple(self.pages[n][0] for n in counted.first_trigrams.get(name, ())),
             )
-            found.append(need)
+            for name, origin in {one.name: one for one in compiled.origins if one.triple}.items()
+        ]
         return tuple(sorted(found, key=lambda need: (-need.count, need.trigram)))
 
     def bigrams(

@@ -1,7 +1,5 @@
 """The total of all reports: the work that is left, with shared work counted once, and its order.
 
-Reports of several columns are joined into one document.
-
 A work item is a bigram of a pose set. Drawn once in the pose set's bank, it serves every language
 that needs it and every face of that pose set. A draft in the bank of one language or one character
 is an item of its own, because it takes precedence over the shared bank.

@@ -108,7 +108,7 @@ def _report_data(report: CoverageReport) -> Json:
 
 
 def _need(row: BigramNeed) -> Json:
-    fields: Json = row.model_dump(exclude={"running", "in_trigrams"})
+    fields: Json = row.model_dump(exclude={"running", "in_trigrams", "stated"})
     return fields | {"places": [Path(place).name for place in row.places]}
 
 

@@ -54,8 +54,8 @@ class VoicePage {
     const socket = new WebSocket(address);
     socket.addEventListener("open", () => (this.sound ? this.hello() : this.say(OFF)));
     socket.addEventListener("message", ({ data }) => this.told(JSON.parse(data)));
-    socket.addEventListener("close", () => {
-      this.say("Reconnecting: the program in the terminal does not answer");
+    socket.addEventListener("close", ({ reason }) => {
+      this.say(reason || "Reconnecting: the program in the terminal does not answer");
       setTimeout(() => (this.socket = this.connect()), RETRY_MS);
     });
     return socket;

@@ -124,8 +124,7 @@ class ModelProcess:
         command = [sys.executable, "-I", "-S", str(script)]  # our own script, no shell
         self._worker = subprocess.Popen(command, stdin=PIPE, stdout=PIPE, stderr=DEVNULL)  # noqa: S603
         finalize(self, _end, self._worker)
-        request = {"path": sys.path, "settings": settings}
-        self._start = json.dumps(request).encode() + b"\n"
+        self._start = json.dumps({"path": sys.path, "settings": settings}).encode() + b"\n"
 
     def answers(
         self, request: bytes, patience: float, read: Callable[[Any], ReadAnswer]
