@@ -176,8 +176,7 @@ def _counted(options: Namespace) -> "Coverage":
         ],
         weights,
     )
-    others = [f"{one.what} ({one.count})" for one in found.corpus.other_speakers]
-    if others:
+    if others := [f"{one.what} ({one.count})" for one in found.corpus.other_speakers]:
         default, names = " and ".join(options.character), shortlist(others, MAX_NAMES)
         print(f"speakers that `cast` does not name get {default}: {names}", file=sys.stderr)
     return found
@@ -244,6 +243,7 @@ def corpus_parts(options: Namespace) -> list[CorpusPart]:
         Nothing is to be read, or a table has no column for a language.
     """
     from lipsync_lang.packs.finding import Finder, folders_of
+    from lipsync_lang.packs.models.project_models import BRACES, fill
     from lipsync_lang.reports.coverage.reading_cache import is_recording, unwritten
     from lipsync_lang.text.lines.line_readers import TableLayout, line_files
 
@@ -256,9 +256,8 @@ def corpus_parts(options: Namespace) -> list[CorpusPart]:
         raise LipsyncError(f"there is no script to count; name a file, or state `lines` in {FILE}")
     for language in dict.fromkeys(options.language):
         word = options.words.get(language) or language
-        paths = tuple(
-            options.corpus or (Path(str(path).replace(WORD, word)) for path in options.lines)
-        )
+        listed = (Path(fill(str(path), {WORD: word, **BRACES})) for path in options.lines)
+        paths = tuple(options.corpus or listed)
         recordings = tuple(unwritten(paths))
         paths = tuple(path for path in paths if not (is_recording(path) and path.exists()))
         if not options.corpus:
@@ -399,13 +398,11 @@ def shown_names(corpus: Iterable[Path]) -> Callable[[str], str]:
         common = Path(commonpath(outside)) if outside else root
     except ValueError:  # drives of Windows
         common = root
-    known: dict[str, str] = {str(STANDARD_STREAM): str(STANDARD_STREAM)}
 
+    @cache
     def shown(file: str) -> str:
-        if file not in known:
-            path = Path(file).resolve()
-            base = next((one for one in (root, common) if path.is_relative_to(one)), path.parent)
-            known[file] = path.relative_to(base).as_posix()
-        return known[file]
+        path = Path(file).resolve()
+        base = next((one for one in (root, common) if path.is_relative_to(one)), path.parent)
+        return file if file == str(STANDARD_STREAM) else path.relative_to(base).as_posix()
 
     return shown

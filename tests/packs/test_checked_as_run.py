@@ -56,6 +56,24 @@ def test_a_full_width_colon_is_named(validate):
     assert "write `a: aa`" in ended.out
 
 
+@pytest.mark.parametrize(
+    ("text", "place", "hint"),
+    [
+        ("words:\n  foo： [aa]", "7:3", "write `foo: [aa]`"),
+        ("words:\n  foo：[aa]", "7:3", "write `foo: [aa]`"),
+        ("g2p:\n  engine： espeak", "7:3", "write `engine: espeak`"),
+        ("words： {foo: [aa]}", "6:6", "write `words: `"),
+        ("words： [aa]", "6:6", "write `words: `"),
+        ("words: {foo： [aa]}", "6:12", "write `foo: `"),
+    ],
+)
+def test_a_full_width_colon_of_an_only_entry_is_named(validate, text, place, hint):
+    told = validate(text).out
+    assert f"languages/x.yaml:{place}: " in told
+    assert "a full-width colon is no colon in YAML" in told
+    assert hint in told
+
+
 @pytest.mark.parametrize("name", ["IPA", "ipaa", "arpabett"])
 def test_a_notation_that_is_nearly_inherited_is_doubted(validate, name):
     ended = validate(f"notations: {{{name}: {{a: aa}}}}")

@@ -1,6 +1,7 @@
 """The model of `lipsync.yaml`, which states once what a folder's commands leave out."""
 
 import re
+from collections.abc import Mapping
 from pathlib import PureWindowsPath
 from typing import Annotated, Literal, Self
 
@@ -25,10 +26,18 @@ from lipsync_lang.packs.yaml.source import Data
 
 _RATE_PATTERN = r"^\d+(\.\d+)?(/\d+)?$"
 
-_PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
+_PLACEHOLDER = re.compile(r"\{\{|\}\}|\{[^{}]*\}")
+
+BRACES = {"{{": "{", "}}": "}"}
+"""Doubled braces, which stand for single ones in names of files."""
 
 PLACEHOLDERS = ("id", "line", "language", "character", "speaker")
 """Placeholders of outputs; `line` is `id`."""
+
+
+def fill(pattern: str, values: Mapping[str, str]) -> str:
+    """Put values for placeholders, and for doubled braces, into a path."""
+    return _PLACEHOLDER.sub(lambda found: values.get(found[0], found[0]), pattern)
 
 
 def _outside(path: str) -> bool:
@@ -62,13 +71,14 @@ def _inside(path: str) -> str:
 
 def _holding(*known: str) -> AfterValidator:
     """Return a check that text holds no placeholders but the known ones."""
+    listed = [f"{{{one}}}" for one in known]
+    allowed = {*listed, *(BRACES if known else ())}
 
     def check(text: str) -> str:
         for name in _PLACEHOLDER.findall(text):
-            if name not in known:
+            if name not in allowed:
                 what = "unknown placeholder '{name}'; known: {known}"
-                listed = ", ".join(f"{{{one}}}" for one in known)
-                raise PydanticCustomError("P107", what, {"name": f"{{{name}}}", "known": listed})
+                raise PydanticCustomError("P107", what, {"name": name, "known": ", ".join(listed)})
         return text
 
     return AfterValidator(check)
@@ -286,7 +296,8 @@ class Project(PackModel):
     paths: Annotated[tuple[Text, ...], OrOne] = ()
     """Folders of packs to search first, from this folder."""
     lines: Annotated[tuple[ScriptPath, ...], OrOne] = ()
-    """The script that `build` makes, from this folder; `{language}` stands for the language."""
+    """The script that `build` makes, from this folder; `{language}` stands for the language,
+    and doubled braces in a path for braces."""
     languages: Annotated[dict[Parent, SingleWord | None], OrNames] = Field(default_factory=dict)
     """The languages that `build` makes, each with what `{language}` stands for: a list of names,
     or a mapping from names. By default `language`."""

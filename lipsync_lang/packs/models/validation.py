@@ -3,6 +3,7 @@
 Messages use the words of the file, never names of Python classes.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from types import NoneType, UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
@@ -12,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.packs.models import MODELS, PackModel
 from lipsync_lang.packs.models.fields import PACK_FORMAT, descriptions
+from lipsync_lang.packs.yaml.building import NO_COLON
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.packs.yaml.source import Data, Loc, YamlSource
 
@@ -190,9 +192,8 @@ def _say(  # noqa: C901, PLR0911 one return for each family of errors
 def _literal(subject: str, value: Data, expected: str) -> tuple[str, str, str]:
     # pydantic lists them as "'a', 'b' or 'c'"
     words = [w.strip("'") for w in expected.replace(" or ", ", ").split(", ")]
-    what = f"{subject} must be one of {', '.join(words)}, got {_got(value)}"
-    if len(words) == 1:
-        what = f"{subject} must be {words[0]}, got {_got(value)}"
+    choice = "one of " if len(words) > 1 else ""
+    what = f"{subject} must be {choice}{', '.join(words)}, got {_got(value)}"
     if value == words[0]:  # text in the place of a number
         return "P107", what, "write it without quotes"
     hint = did_you_mean(value, words) if isinstance(value, str) else ""
@@ -214,6 +215,8 @@ def _length(source: YamlSource, loc: Loc, report: PydanticError) -> tuple[str, s
 
 
 def _mend(sort: str, value: Data, *, needed: bool) -> str:  # noqa: PLR0911 one return for each cure
+    if isinstance(value, str) and "：" in value:
+        return f"{NO_COLON}: write `{re.sub('： *', ': ', value, count=1)}`"
     if sort == "string_type" and not isinstance(value, (tuple, dict, NoneType)):
         return "put it in quotes"
     if value is None:

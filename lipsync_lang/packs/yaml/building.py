@@ -54,9 +54,7 @@ _NOT_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029\ud800-\
 
 def read_yaml(path: Path, content: bytes | None = None) -> YamlSource:
     """Read a YAML file, or `content` in its place; raise `PackFaults` if it is not sound YAML."""
-    if content is None:
-        content = read_bytes(path)
-    source = scan(path, content)
+    source = scan(path, read_bytes(path) if content is None else content)
     if source.faults:
         raise PackFaults(source.faults)
     return source
@@ -109,8 +107,7 @@ def _text(path: Path, content: bytes) -> str:
     except UnicodeDecodeError as error:
         what = f"byte 0x{content[error.start]:02x} is not UTF-8"
         raise stop(error.start, "P003", what, "save the file as UTF-8") from None
-    bad = _NOT_TEXT.search(text)
-    if bad:
+    if bad := _NOT_TEXT.search(text):
         what = f"control character U+{ord(bad.group()):04X}"
         raise stop(len(text[: bad.start()].encode()), "P005", what, "delete it")
     if not text.strip():
@@ -147,6 +144,8 @@ _SIGN_KEY = re.compile(r"(\s*)([{\[\]},!][^\w\s:,\"']{0,2}|[\"']):(?:\s|$)")
 _CURLY = re.compile("[“”„‘’‚]")
 _ODD_SPACE = re.compile("(?:^ *|:)([\u00a0\u1680\u2000-\u200b\u202f\u205f\u3000\ufeff])")
 _COLON = re.compile(r":(?=\s|$)")
+_WIDE_KEY = re.compile(r"(?:^|[{,-])\s*([^\s:{}\[\],#]+)：(?=\s|$)")
+NO_COLON = "a full-width colon is no colon in YAML"
 _CLOSING_BRACKETS = {"[": "]", "{": "}"}
 
 _BAD_START = re.compile(
@@ -215,6 +214,8 @@ def _odd_sign(lines: list[str], numbers: Iterable[int]) -> Cause | None:
         if space := _ODD_SPACE.search(lines[number - 1]):
             what = f"the character U+{ord(space[1]):04X} is no space in YAML"
             return Cause(number, space.start(1) + 1, what, "write an ordinary space instead")
+        if wide := _WIDE_KEY.search(lines[number - 1]):
+            return Cause(number, wide.end(), NO_COLON, f"write `{wide[1]}: `")
     return None
 
 
@@ -237,9 +238,8 @@ def _colon(lines: list[str], number: int) -> Cause:
         what = "a space is missing after the colon"
         return Cause(number, tight.end(), what, f"write `{line[: tight.end()].strip()} ...`")
     if "：" in key:
-        what = "a full-width colon is no colon in YAML"
         mended = key.replace("：", ": ", 1)
-        return Cause(number, line.index("：") + 1, what, f"write `{mended}`")
+        return Cause(number, line.index("：") + 1, NO_COLON, f"write `{mended}`")
     first, _, rest = key.partition(" ")
     mended = f"{first}: {rest}".rstrip()
     return Cause(number, column, f"'{first}' has no colon after it", f"write `{mended}`")
@@ -389,8 +389,7 @@ class _Builder:
         try:
             for event in events(text):
                 self.last = event.start_mark
-                handler = act.get(event.__class__.__name__)
-                if handler is not None:
+                if handler := act.get(event.__class__.__name__):
                     handler(event)
         except YamlError as error:
             error.place = error.place or (self.last.line + 1, self.last.column + 1)
@@ -497,8 +496,7 @@ class _Builder:
             return
         self.chars += found.chars
         if self.chars > MAX_PACK_BYTES:
-            size = f"{MAX_PACK_BYTES >> 20} MB"
-            what = f"the file is larger than {size} once its aliases are written out"
+            what = f"the file is over {MAX_PACK_BYTES >> 20} MB once its aliases are written out"
             raise self._stop(mark, "P011", what, "split it into several packs")
         self._add(found.data, found.mark)
 

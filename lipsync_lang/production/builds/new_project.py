@@ -179,12 +179,13 @@ def new_project(  # noqa: PLR0913 the parts of a draft
     spoken = Counter(cells.at(speaker)).most_common(SHOWN_SPEAKERS)
     several = "{language}/" if len(languages) > 1 else ""
     same = all(name == word for name, word in languages.items())
+    file = f"{_doubled(ids.before)}{{id}}{_doubled(ids.after)}{suffix}"
     drafted: dict[str, Any] = {
-        "lines": table.resolve().relative_to(folder.resolve()).as_posix(),
+        "lines": _doubled(table.resolve().relative_to(folder.resolve()).as_posix()),
         "columns": columns | begins if cells.table else {},
         "encoding": encoding,
         "languages": list(languages) if same else languages,
-        "audio": "/".join([*pattern, f"{ids.before}{{id}}{ids.after}{suffix}"]) if found else None,
+        "audio": "/".join([*pattern, file]) if found else None,
         "usual_audio": f"vo/{several}{{id}}.wav",
         "characters": list(characters),
         "speakers": [json.dumps(name, ensure_ascii=False) for name, _ in spoken],
@@ -194,6 +195,11 @@ def new_project(  # noqa: PLR0913 the parts of a draft
     if cells.bilingual:
         remarks += [_side(table, finder.column_names(name), encoding) for name in languages]
     return NewProject(from_template("script.yaml", drafted), (*matches, *remarks))
+
+
+def _doubled(path: str) -> str:
+    """Return a path as a project states it, which fills in names in single braces."""
+    return path.replace("{", "{{").replace("}", "}}")
 
 
 # What there is
@@ -222,8 +228,6 @@ def read_cells(
     table: Path, finder: Finder, encoding: str | None = None, layout: TableLayout = AS_FOUND
 ) -> Cells:
     """Read the first rows of a table, or lines of a script of another format, or of a folder."""
-    if "{" in table.as_posix():
-        raise LipsyncError(f"{table}: rename it: words in braces stand for names of a line")
     found = [file for file, _ in line_files(table, lambda _: None)]
     if not found:
         raise LipsyncError(f"{table}: has no script; name a folder with {', '.join(by_suffix())}")
@@ -231,9 +235,8 @@ def read_cells(
     opened = by_suffix()[file.suffix.lower()].table if len(found) == 1 else None
     source = LineFile(file, lambda _: None, encoding=encoding, layout=layout)
     if opened is None or is_timed(source):
-        lines = [
-            *islice(read_lines(table, encoding=encoding, remark=lambda _: None), MAX_TABLE_ROWS)
-        ]
+        read = read_lines(table, encoding=encoding, remark=lambda _: None)
+        lines = list(islice(read, MAX_TABLE_ROWS))
         names, speakers = [one.name for one in lines], [one.speaker for one in lines]
         both = any(one.original and spoken(one.original).text != one.text for one in lines)
         head = [NAME_COLUMNS[0], SPEAKER_COLUMNS[0]]
@@ -322,13 +325,12 @@ def _folders(
         tongues = {name: finder.language_of(name) for name in names}
         if all(tongues.values()) and not languages:
             pattern.append("{language}")
-            # Only the first level that has nothing but languages: a folder `de` may also be a
-            # speaker.
+            # Only the first level with nothing but languages: a folder `de` may be a speaker.
             languages = {own: name for name, own in tongues.items() if own}
         elif len(names) > 1 and all(folded_name(name) in known for name in names):
             pattern.append("{speaker}")
         else:
-            pattern.append(names.most_common(1)[0][0])
+            pattern.append(_doubled(names.most_common(1)[0][0]))
     return pattern, languages
 
 

@@ -10,6 +10,7 @@ from lipsync_lang.animations.animation_writers import WRITERS, find_writer
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.base.files.reach import is_reached
 from lipsync_lang.packs.models import Project
+from lipsync_lang.packs.models.project_models import BRACES, fill
 from lipsync_lang.packs.project import NARRATOR
 from lipsync_lang.packs.yaml.source import Loc
 from lipsync_lang.production.builds.archives import TAKE_SUFFIX
@@ -27,15 +28,12 @@ class OutputPattern(NamedTuple):
 
 def filled(pattern: str, language: str, character: str = "") -> str:
     """Fill in all but the line's own placeholders."""
-    path = pattern.replace("{line}", "{id}")
-    return path.replace("{language}", language).replace("{character}", character)
+    return fill(pattern, {"{line}": "{id}", "{language}": language, "{character}": character})
 
 
 def for_line(pattern: str, name: str, speaker: str) -> str:
     """Fill in the line's own placeholders."""
-    if "{speaker}" in pattern:
-        pattern = pattern.replace("{speaker}", speaker or NARRATOR)
-    return pattern.replace("{id}", name)
+    return fill(pattern, {"{speaker}": speaker or NARRATOR, "{id}": name, **BRACES})
 
 
 def outputs_of(project: Project, faults: ScriptFaults) -> list[OutputPattern]:
@@ -104,7 +102,7 @@ def check_links(paths: Iterable[tuple[Loc, str]], folder: Path, faults: ScriptFa
         # share.
         head = path.partition("{id}")[0].partition("{speaker}")[0]
         head = head if head == path else posixpath.dirname(head)
-        if not is_reached(folder / head, folder):
+        if not is_reached(folder / fill(head, BRACES), folder):
             what = f"{head} leads outside {folder} by a link"
             faults.state(loc, "P106", what, "remove the link, or allow its target: --path FOLDER")
 

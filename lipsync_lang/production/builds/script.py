@@ -19,6 +19,7 @@ from lipsync_lang.packs.checking.project_checks import check_characters, check_l
 from lipsync_lang.packs.finding import Finder, Paths, folders_of, pack_name
 from lipsync_lang.packs.language_files import spoken_in
 from lipsync_lang.packs.models import Project
+from lipsync_lang.packs.models.project_models import BRACES, fill
 from lipsync_lang.packs.project import FILE
 from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces, stated_faces, unique
 from lipsync_lang.packs.yaml.faults import shown
@@ -559,10 +560,9 @@ def _files(  # noqa: PLR0913 the parts of a script
     cleaning = Cleaning(project.values, project.unspoken)
     for stated in project.lines:
         own = [{index: language} for index, language in languages.items()]
-        for held in own if "{language}" in stated else [languages]:
-            path = Path(
-                shown(folder / stated.replace("{language}", next(iter(held.values())).word))
-            )
+        for held in own if "{language}" in stated.replace("{{", "") else [languages]:
+            word = next(iter(held.values())).word
+            path = Path(shown(folder / fill(stated, {"{language}": word, **BRACES})))
             try:
                 listed = dict(line_files(path, remark, project=folder))
             except LipsyncError as error:
@@ -570,11 +570,9 @@ def _files(  # noqa: PLR0913 the parts of a script
                 continue
             spoken = spoken_in(listed, path, {o.name: o.answers for o in held.values()}, finder)
             for file, among_others in listed.items():
-                its = {index: one for index, one in held.items() if one.name in spoken[file]}
-                if its:
+                if its := {index: one for index, one in held.items() if one.name in spoken[file]}:
                     found.append(ScriptFile(file, its, project.encoding, among_others, cleaning))
-            left = [str(file) for file in listed if not spoken[file]]
-            if left:
+            if left := [str(file) for file in listed if not spoken[file]]:
                 many = count(len(left), "file")
                 remark(f"{many} in other languages left out: {shortlist(left, SHOWN_EXAMPLES)}")
     return found
