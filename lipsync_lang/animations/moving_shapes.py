@@ -12,7 +12,7 @@ from lipsync_lang.animations.fixed import shape_columns, shapes_from_zero
 from lipsync_lang.animations.keys import KeyedCurve
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.faces.rigs.channel import Channel
-from lipsync_lang.faces.rigs.expressions import shutting
+from lipsync_lang.faces.rigs.expressions import stating
 from lipsync_lang.faces.rigs.model import Mesh, Model, is_index, known_model
 from lipsync_lang.faces.rigs.shape_matching import on_mesh
 
@@ -102,11 +102,11 @@ def expressions(animation: Animation) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for mesh in meshes for name, _, _ in mesh.binds))
 
 
-def shutting_expressions(animation: Animation) -> frozenset[str]:
-    """Return the expressions of the avatar at which players shut a mouth that speaks."""
+def expressions_with(animation: Animation, field: str, values: Sequence[object]) -> frozenset[str]:
+    """Return the expressions of the avatar whose field has one of the values."""
     if animation.model is None:
         return frozenset()
-    return shutting(known_model(animation.model, bones=True).document)
+    return stating(known_model(animation.model, bones=True).document, field, values)
 
 
 def _by_shapes(animation: Animation) -> Animation:

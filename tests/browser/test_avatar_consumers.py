@@ -58,6 +58,24 @@ def test_an_avatar_moves_in_three_vrm_as_in_our_own_files(tmp_path, version):
     np.testing.assert_allclose(shown, wanted, atol=2 * ERROR)
 
 
+@pytest.mark.parametrize("stated", [{}, {"isBinary": True}], ids=["plain", "binary"])
+@pytest.mark.parametrize("override", ["block", "blend"])
+def test_a_mouth_speaks_in_three_vrm_beside_a_style_that_would_shut_it(tmp_path, override, stated):
+    mouths = {**test_avatar_expressions.MOUTHS, "happy": {2: 0.5}}
+    own = {"overrideMouth": override, **stated}
+    path = test_avatar_expressions.vrm1(tmp_path / "face.vrm", mouths, happy=own)
+    animation = ll.resolve("english", path).perform(SCHEDULE, fps=60, styles={"happy": 1.0})
+    assert animation["happy"].any()
+    animation.save(tmp_path / "face.vrma")
+    shown = read("@pixiv/three-vrm-animation", "avatar", path, animation.timeline)
+    wanted = np.zeros((len(animation.timeline), 3))
+    for pose, shares in test_avatar_expressions.MOUTHS.items():
+        for shape, share in shares.items():
+            wanted[:, shape] += share * animation[pose]
+    assert wanted.max(axis=0).min() > 0.1
+    np.testing.assert_allclose(shown, wanted, atol=2 * ERROR)
+
+
 def test_three_vrm_turns_the_head_forward_by_a_nod(tmp_path):
     animation, path = performed("vrm", gestures="nod"), tmp_path / "line.vrma"
     animation.save(path)

@@ -4,7 +4,7 @@ VRM 1.0 keeps them in the extension VRMC_vrm, VRM 0 in VRM (github.com/vrm-c/vrm
 What a player moves are expressions; shapes have whatever names their author gave them.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -43,10 +43,10 @@ def binds(document: Json) -> Iterator[Bind]:
             yield from _bind(name, bind.get("mesh"), bind, FULL_PERCENT)
 
 
-def shutting(document: Json) -> frozenset[str]:
-    """Return the expressions at which a player shuts a mouth that speaks (`overrideMouth`)."""
+def stating(document: Json, field: str, values: Sequence[object]) -> frozenset[str]:
+    """Return the expressions of VRM 1.0 whose field has one of the values."""
     stated = _expressions(document).items()
-    return frozenset(name for name, one in stated if one.get("overrideMouth") in {"block", "blend"})
+    return frozenset(name for name, one in stated if one.get(field) in values)
 
 
 def _expressions(document: Json) -> dict[str, Json]:

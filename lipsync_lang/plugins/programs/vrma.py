@@ -18,7 +18,7 @@ import numpy as np
 
 from lipsync_lang.animations.fixed import names, shape_columns, shapes_from_zero
 from lipsync_lang.animations.keys import ERROR, KeyedCurve, needed
-from lipsync_lang.animations.moving_shapes import expressions, shutting_expressions
+from lipsync_lang.animations.moving_shapes import expressions, expressions_with
 from lipsync_lang.animations.writers import Animation, binary_writer
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.json_object import Json
@@ -34,6 +34,9 @@ VRM_PRESETS = Path(__file__).with_name("vrm-names.txt")
 HUMANOID = Path(__file__).with_name("vrm-humanoid.json")
 """The bones that VRM requires, as nodes of glTF."""
 
+SHUTTING = ("block", "blend")
+"""Values of `overrideMouth` at which players shut a mouth that speaks."""
+
 TURN_ERROR = 0.001
 """Largest error of the components of a quaternion: a tenth of a degree."""
 
@@ -41,11 +44,17 @@ TURN_ERROR = 0.001
 def without_presets(animation: Animation) -> Iterator[str]:
     """Yield warnings about what a `.vrma` cannot hold, and about poses that are no presets."""
     yield from shapes_from_zero(animation, "a .vrma", head=True)
-    shut = shutting_expressions(animation)
+    shut = expressions_with(animation, "overrideMouth", SHUTTING)
     if lost := [name for name, values in _moves(animation) if name in shut and values.any()]:
         yield (
             f"{animation.model}: '{lost[0]}' shuts a mouth that speaks (`overrideMouth`), so the "
             "file leaves it out; set its override of the mouth to none in the avatar"
+        )
+    binary = expressions_with(animation, "isBinary", [True])
+    if jump := [name for name, values in _moves(animation) if name in binary and values.any()]:
+        yield (
+            f"{animation.model}: '{jump[0]}' is on or off (`isBinary`), so players show nothing of "
+            "it up to a weight of 0.5, and all of it above; switch that off in the avatar"
         )
     known = {*names(VRM_PRESETS).shapes, *expressions(animation)}
     if not any(name in known for name, _ in _moves(animation)):
@@ -112,7 +121,7 @@ def write_vrma(animation: Animation, out: BinaryIO) -> None:
 def _expressions(animation: Animation) -> list[KeyedCurve]:
     """Return the keyframes of each expression; of two columns for a preset, the larger counts."""
     sums: dict[str, Floats] = {}
-    shut = shutting_expressions(animation)
+    shut = expressions_with(animation, "overrideMouth", SHUTTING)
     for name, values in _moves(animation):
         if name not in shut:
             sums[name] = np.maximum(sums[name], values) if name in sums else values

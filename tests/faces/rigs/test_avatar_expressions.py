@@ -128,6 +128,17 @@ def test_an_animation_has_the_spelling_of_the_avatar(tmp_path):
 
 
 @needs_plug_ins
+def test_a_mouth_that_is_on_or_off_is_told(tmp_path):
+    one = vrm1(tmp_path / "one.vrm", aa={"isBinary": True}, oh={"isBinary": False})
+    (told,) = [line for line in WRITERS["vrma"].remarks(performed(one)) if "isBinary" in line]
+    assert "'aa' is on or off" in told
+    other = vrm1(tmp_path / "other.vrm", aa={"isBinary": [1], "overrideMouth": ["block"]})
+    told = "\n".join(WRITERS["vrma"].remarks(performed(other)))
+    assert "isBinary" not in told
+    assert "overrideMouth" not in told
+
+
+@needs_plug_ins
 @pytest.mark.parametrize("override", ["block", "blend"])
 def test_a_style_that_would_shut_the_mouth_is_left_out(tmp_path, override):
     from_vrma = of_plug_in("test_avatar_files", "from_vrma")
