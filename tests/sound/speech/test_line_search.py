@@ -11,7 +11,7 @@ from lanes import full, swept
 import lipsync_lang as ll
 from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.sound.speech.hearing.alignment import aligned
-from lipsync_lang.sound.speech.hearing.sphinx import line_search
+from lipsync_lang.sound.speech.hearing.sphinx import features, line_search
 from lipsync_lang.sound.speech.hearing.sphinx.features import (
     FRAME_SECONDS,
     HOP_SAMPLES,
@@ -168,6 +168,21 @@ def test_white_noise_beside_a_line_moves_no_word(language, text, first):
 def frames_of(samples):
     """Return the number of frames of a sound; the last may be a part."""
     return -(-len(samples) // HOP_SAMPLES)
+
+
+@given(st.integers(60, 400), st.integers(0, 2**32 - 1))
+def test_a_long_sound_has_the_features_and_the_voice_of_one_block(line, block, seed):
+    rng = np.random.default_rng(seed)
+    noise = rng.normal(0, 900, (2, rng.integers(2 * SPEECH_RATE)))
+    sound = np.concatenate([noise[0], line.samples, noise[1]])
+    fronts = features.features, features.SphinxFrontEnd()
+    whole = [next(front.hearings(sound)) for front in fronts]
+    span = voice_span(sound)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(features, "SECTION_FRAMES", block)
+        assert voice_span(sound) == span
+        for front, found in zip(fronts, whole, strict=True):
+            assert next(front.hearings(sound)) == pytest.approx(found, abs=1e-9)
 
 
 @given(st.floats(0, 3), st.floats(0, 3))

@@ -16,6 +16,7 @@ from lipsync_lang.performing.effort import frame_levels, levels
 from lipsync_lang.pipeline.levels import Level
 from lipsync_lang.sound.speech import sound
 from lipsync_lang.sound.speech.hearing.align.spectrum import heard_in, mel_power, samples_of
+from lipsync_lang.sound.speech.hearing.sphinx import features
 from lipsync_lang.sound.speech.hearing.sphinx.scheduling import prepared
 from lipsync_lang.sound.speech.sound import (
     FASTEST,
@@ -244,6 +245,14 @@ def most_bytes(made):
         return tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
+
+
+def test_a_long_sound_is_measured_in_little_more_memory_than_its_bands(monkeypatch):
+    noise = np.random.default_rng(0).normal(0, 900, 2**21)
+    monkeypatch.setattr(features, "SECTION_FRAMES", 100)
+    bands = len(noise) // features.HOP_SAMPLES * features.SphinxFrontEnd().bands * 8
+    assert most_bytes(lambda: features.voice_span(noise)) < bands * 2.5
+    assert most_bytes(lambda: features.features(noise)) < bands * 3.5
 
 
 def test_a_long_sound_is_prepared_in_little_more_memory_than_its_own(tmp_path, monkeypatch):

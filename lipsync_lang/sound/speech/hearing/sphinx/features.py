@@ -4,7 +4,7 @@ Processing steps and constants match the training of the CMU Sphinx models.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Sized
 from dataclasses import dataclass
 from functools import cache
 
@@ -20,6 +20,9 @@ HOP_SAMPLES = 160
 FRAME_SECONDS = HOP_SAMPLES / SPEECH_RATE
 """Frame step in seconds."""
 
+SECTION_FRAMES = 20_000
+"""Frames of a long sound that are measured at once, to bound memory: 200 s."""
+
 WINDOW_SAMPLES = 410
 """Frame window in samples."""
 
@@ -29,7 +32,6 @@ FFT_POINTS = 512
 PRE_EMPHASIS = 0.97
 
 CEPSTRA = 13
-
 
 DELTA_FRAMES = 3
 """Frames on each side of a frame on which its derivatives depend."""
@@ -98,16 +100,7 @@ class SphinxFrontEnd(FrontEnd):
     quieted: bool = False
 
     def __call__(self, samples: Floats) -> Floats:
-        """Return three streams of features for each frame of a sound.
-
-        Parameters
-        ----------
-        samples : (N,) at `SPEECH_RATE`
-
-        Returns
-        -------
-        (T, 3, 13): cepstra less their mean, first and second derivatives; T = N / `HOP_SAMPLES`
-        """
+        """Return cepstra less their mean, first and second derivatives: (T, 3, 13)."""
         return next(self.hearings(samples))
 
     def hearings(self, samples: Floats) -> Iterator[Floats]:
@@ -127,13 +120,20 @@ class SphinxFrontEnd(FrontEnd):
 
     def _normalised(self, spectra: Floats) -> Floats:
         """Return the features of a whole sound, (T, 3, 13), from the power of its bands."""
-        cepstra = CepstralFrames(self).cepstra(spectra)
+        frames = CepstralFrames(self)
+        cepstra = np.concatenate([frames.cepstra(spectra[block]) for block in _sections(spectra)])
         cepstra -= voice_mean(cepstra, spectra.sum(axis=1))
         return derived(np.pad(cepstra, ((DELTA_FRAMES, DELTA_FRAMES), (0, 0)), mode="edge"))
 
 
 features = SphinxFrontEnd(25, 130.0, 6800.0, "dct", 22, quieted=True)
 """The front end of the model that hears every language."""
+
+
+def _sections(values: Sized, hop: int = 1) -> list[slice]:
+    """Return the sections of a long array with a frame per hop; an empty one has one, too."""
+    starts = range(0, max(len(values), 1), SECTION_FRAMES * hop)
+    return [slice(start, start + starts.step) for start in starts]
 
 
 def _smoothed(values: Floats) -> Floats:
@@ -152,13 +152,17 @@ def voice_span(samples: Floats) -> tuple[int, int]:
     count, power = -(-len(samples) // HOP_SAMPLES), spectra.sum(axis=1)
     if len(spectra) < MIN_NOISE_FRAMES:
         return 0, count
-    logs = _smoothed(np.log(spectra + 1e-4))
-    sums = np.cumsum(np.pad([logs, logs**2], ((0, 0), (1, 0), (0, 0))), axis=1)
-    mean, square = (sums[:, STEADY_FRAMES:] - sums[:, :-STEADY_FRAMES]) / STEADY_FRAMES
-    calm = np.sqrt(np.maximum(square - mean**2, 0)).mean(axis=1) < STEADY_DEVIATION
     steady = np.zeros(len(spectra), bool)
-    for first in np.flatnonzero(calm):
-        steady[first : first + STEADY_FRAMES] = True
+    for block in _sections(spectra):
+        # The first frame is smoothed with those before it, and the last span with those after it.
+        early = min(block.start, GAIN_FRAMES)
+        around = spectra[block.start - early : block.stop + STEADY_FRAMES + GAIN_FRAMES]
+        logs = _smoothed(np.log(around + 1e-4))[early:]
+        sums = np.cumsum(np.pad([logs, logs**2], ((0, 0), (1, 0), (0, 0))), axis=1)
+        mean, square = (sums[:, STEADY_FRAMES:] - sums[:, :-STEADY_FRAMES]) / STEADY_FRAMES
+        calm = np.sqrt(np.maximum(square - mean**2, 0)).mean(axis=1) < STEADY_DEVIATION
+        for first in block.start + np.flatnonzero(calm[:SECTION_FRAMES]):
+            steady[first : first + STEADY_FRAMES] = True
     changing = np.flatnonzero(~steady)
     if not len(changing):
         return 0, count
@@ -194,9 +198,8 @@ def derived(wide: Floats) -> Floats:
 
     # The decoder of the models takes these differences over 4 and 6 frames, without the usual
     # weights: other derivatives fit none of their Gaussians.
-    change = at(2) - at(-2)
-    turn = (at(3) - at(-1)) - (at(1) - at(-3))
-    return np.concatenate([at(0), change, turn], axis=1).reshape(count, 3, CEPSTRA)
+    change, turn = at(2) - at(-2), (at(3) - at(-1)) - (at(1) - at(-3))
+    return np.stack([at(0), change, turn], axis=1)
 
 
 class CepstralFrames:
@@ -212,15 +215,19 @@ class CepstralFrames:
         """Return the cepstra of the frames that are complete with these samples: (k, 13)."""
         return self.cepstra(self.spectra(samples))
 
-    def spectra(self, samples: Floats) -> Floats:
-        """Return the power of each band in those frames: (k, `BANDS`)."""
-        # Pre-emphasis, across the parts.
-        earlier = np.concatenate([[self._before], samples])
-        self._before = float(earlier[-1])
-        sound = np.concatenate([self._sound, samples - PRE_EMPHASIS * earlier[:-1]])
-        count = max((len(sound) - WINDOW_SAMPLES) // HOP_SAMPLES + 1, 0)
-        self._sound = sound[count * HOP_SAMPLES :]
-        return _spectra(sound, count, self._settings)
+    def spectra(self, samples: Floats, missing: int = 0) -> Floats:
+        """Return the power of each band in those frames, with zeros at the end: (k, `BANDS`)."""
+        blocks, found = _sections(samples, HOP_SAMPLES), []
+        for block in blocks:
+            part = np.pad(samples[block], (0, missing if block == blocks[-1] else 0))
+            # Pre-emphasis, across the parts.
+            earlier = np.concatenate([[self._before], part])
+            self._before = float(earlier[-1])
+            sound = np.concatenate([self._sound, part - PRE_EMPHASIS * earlier[:-1]])
+            count = max((len(sound) - WINDOW_SAMPLES) // HOP_SAMPLES + 1, 0)
+            self._sound = sound[count * HOP_SAMPLES :].copy()
+            found.append(_spectra(sound, count, self._settings))
+        return np.concatenate(found)
 
     def cepstra(self, spectra: Floats) -> Floats:
         """Return the cepstra of the next frames, (k, 13), from the power of their bands."""
@@ -238,7 +245,7 @@ class CepstralFrames:
         # Ceiling division: the last frame may hold less sound than a hop.
         count = max(-(-whole // HOP_SAMPLES), 1)
         missing = max(count * HOP_SAMPLES + WINDOW_SAMPLES - HOP_SAMPLES - whole, 0)
-        return self.spectra(np.pad(samples, (0, missing)))[:count]
+        return self.spectra(samples, missing)[:count]
 
 
 @cache
@@ -305,16 +312,13 @@ class _BandNoise:
     """Slowly varying noise in each band, tracked over frames."""
 
     def __init__(self, first: Floats) -> None:
-        self.power = first.copy()
         # The start of a sound counts as 13 dB above its noise, until the envelopes have settled.
-        self.noise = first / 20
-        self.floor = self.noise.copy()
-        self.peak = np.zeros(len(first))
+        self._tracks = first, first / 20, first / 20, np.zeros(len(first))
 
     def quieted(self, spectra: Floats) -> Floats:
         """Subtract the noise from the next frames: (k, bands)."""
         powers, signals = np.empty_like(spectra), np.empty_like(spectra)
-        power, noise, floor, peak = self.power, self.noise, self.floor, self.peak
+        power, noise, floor, peak = self._tracks
         for number, here in enumerate(spectra):
             powers[number] = power = 0.7 * power + 0.3 * here
             noise = _envelope(power, noise)
@@ -323,20 +327,16 @@ class _BandNoise:
             # Temporal masking: after a peak, a weaker sound is lowered to a share of the fading
             # peak (Kim and Stern 2016, power-normalized cepstra).
             peak = 0.85 * peak
-            heard = signal
-            signal = np.where(signal < 0.85 * peak, 0.2 * peak, signal)
-            peak = np.maximum(peak, heard)
-            np.maximum(signal, floor, out=signals[number])
-        self.power, self.noise, self.floor, self.peak = power, noise, floor, peak
+            masked = np.where(signal < 0.85 * peak, 0.2 * peak, signal)
+            peak = np.maximum(peak, signal)
+            np.maximum(masked, floor, out=signals[number])
+        self._tracks = power, noise, floor, peak
         gain = np.clip(signals / np.maximum(powers, 1e-300), 1 / 20, 20)
         # A moving mean over nine bands from differences of the running sum, which has a 0 in front.
         bands = np.arange(len(power))
         first, last = np.maximum(bands - 4, 0), np.minimum(bands + 5, len(power))
-        whole = np.zeros((len(gain), len(power) + 1))
-        np.cumsum(gain, axis=1, out=whole[:, 1:])
-        quieted: Floats = spectra * (whole[:, last] - whole[:, first])
-        quieted /= last - first
-        return quieted
+        whole = np.cumsum(np.pad(gain, ((0, 0), (1, 0))), axis=1)
+        return spectra * (whole[:, last] - whole[:, first]) / (last - first)
 
 
 def _envelope(values: Floats, below: Floats) -> Floats:
