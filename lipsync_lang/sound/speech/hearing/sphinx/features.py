@@ -100,7 +100,7 @@ class SphinxFrontEnd(FrontEnd):
     quieted: bool = False
 
     def __call__(self, samples: Floats) -> Floats:
-        """Return cepstra less their mean, first and second derivatives: (T, 3, 13)."""
+        """Return cepstra less their mean, and two derivatives: (N / `HOP_SAMPLES`, 3, 13)."""
         return next(self.hearings(samples))
 
     def hearings(self, samples: Floats) -> Iterator[Floats]:
