@@ -6,6 +6,7 @@ read without a count, while the system lends no more memory than the budget. If 
 any machine could use up the budgets, it kept them. Otherwise the file is read again, and counted.
 """
 
+import gc
 import signal
 import sys
 import tracemalloc
@@ -120,9 +121,11 @@ def _lent(memory: int) -> Iterator[None]:
 
 
 def _give_up(number: int, frame: FrameType | None) -> None:
-    """End a read that must be counted."""
-    del number, frame
-    raise Failure
+    """End a read that must be counted, unless the collector called: it would swallow the error."""
+    del number
+    collecting = {getattr(one, "__code__", None) for one in gc.callbacks}
+    if frame is None or frame.f_code not in collecting:  # else in the next second
+        raise Failure
 
 
 def _is_doubtful(error: BaseException | None) -> bool:

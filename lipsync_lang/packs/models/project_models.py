@@ -296,8 +296,7 @@ class Project(PackModel):
     paths: Annotated[tuple[Text, ...], OrOne] = ()
     """Folders of packs to search first, from this folder."""
     lines: Annotated[tuple[ScriptPath, ...], OrOne] = ()
-    """The script that `build` makes, from this folder; `{language}` stands for the language,
-    and doubled braces in a path for braces."""
+    """The script, from this folder; `{language}` is the language, and `{{` a brace of the name."""
     languages: Annotated[dict[Parent, SingleWord | None], OrNames] = Field(default_factory=dict)
     """The languages that `build` makes, each with what `{language}` stands for: a list of names,
     or a mapping from names. By default `language`."""

@@ -33,7 +33,9 @@ def filled(pattern: str, language: str, character: str = "") -> str:
 
 def for_line(pattern: str, name: str, speaker: str) -> str:
     """Fill in the line's own placeholders."""
-    return fill(pattern, {"{speaker}": speaker or NARRATOR, "{id}": name, **BRACES})
+    if "{{" in pattern or "}}" in pattern:
+        return fill(pattern, {"{speaker}": speaker or NARRATOR, "{id}": name, **BRACES})
+    return pattern.replace("{speaker}", speaker or NARRATOR).replace("{id}", name)  # far quicker
 
 
 def outputs_of(project: Project, faults: ScriptFaults) -> list[OutputPattern]:
@@ -98,8 +100,7 @@ def check_shared(
 def check_links(paths: Iterable[tuple[Loc, str]], folder: Path, faults: ScriptFaults) -> None:
     """Check that paths, with their places in the project, do not lead outside it by a link."""
     for loc, path in paths:
-        # What a line fills in is checked when it is written; here only the part that all lines
-        # share.
+        # What a line fills in is checked when it is written; here only what all lines share.
         head = path.partition("{id}")[0].partition("{speaker}")[0]
         head = head if head == path else posixpath.dirname(head)
         if not is_reached(folder / fill(head, BRACES), folder):
