@@ -290,8 +290,11 @@ def test_a_folder_without_a_script_is_refused(folder, cli):
     ["{lines}", "{language}", "{{id}}", "a } b {", "{}", "[x] *", "- 'a': #b", "{{{language"],
 )
 def test_names_of_files_may_have_signs_that_a_project_reads_otherwise(cli, game, name):
-    record(game, f"vo {name}/intro_1.wav", f"vo {name}/intro_2.wav", f"vo {name}/outro_1.wav")
-    (game / "script.csv").rename(game / f"{name}.csv")
+    try:
+        record(game, f"vo {name}/intro_1.wav", f"vo {name}/intro_2.wav", f"vo {name}/outro_1.wav")
+        (game / "script.csv").rename(game / f"{name}.csv")
+    except OSError:
+        pytest.skip("no file of this system has such a name")
     ended = cli("new", "--recordings", f"vo {name}", "--from", f"{name}.csv", "-l", "english")
     assert ended.code == 0
     lines = read_script(load_project(game / "lipsync.yaml"))
