@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pytest
 from coverage_packs import BANK_OF_THREE, LANGUAGE, bank, heard, lines, report, write
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from lanes import costly, full
 
@@ -73,6 +73,8 @@ def drawn_by_hand(texts, character):
     texts=st.lists(st.text("aækŋt", min_size=2, max_size=6), min_size=1, max_size=4),
     shared=STATUSES, own=STATUSES,
 )  # fmt: skip
+@example(texts=["kæ"], shared={"kg-aa": "edited", "kg-ae": "drafted"}, own={})
+@example(texts=["kæ"], shared={"kg-ae": "edited"}, own={"kg-aa": "drafted"})
 def test_what_counts_as_drawn_is_played_and_what_is_drawn_next_plays(texts, shared, own):
     with TemporaryDirectory() as folder, chdir(folder):
         write(Path("languages/toy.yaml"), SHADED)
