@@ -6,6 +6,7 @@ Both revisions run this script, which calls only commands and public names that 
 
 import json
 import os
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -125,7 +126,7 @@ def environment(revision: str) -> Iterator[str]:
         try:
             say(f"{revision} is built in an environment of its own")
             do([sys.executable, "-m", "venv", str(venv)])
-            do([python, "-m", "pip", "install", "-q", str(tree)])
+            do([python, "-m", "pip", "install", "-q", f"{tree}[speech]"])  # builds speak
             yield python
         finally:
             do(["git", "worktree", "remove", "--force", str(tree)])
@@ -135,11 +136,22 @@ def _rows(python: str, count: int) -> Rows:
     """Measure in an interpreter, once."""
     with tempfile.TemporaryDirectory() as empty:  # packs of a working folder would come first
         own = [python, __file__, "--lines", str(count)]
-        done = subprocess.run(own, check=True, stdout=subprocess.PIPE, text=True, cwd=empty)  # noqa: S603 ourselves
+        done = subprocess.run(  # noqa: S603 our own script, no shell
+            own, check=True, stdout=subprocess.PIPE, text=True, cwd=empty
+        )
     return {name: (value, unit) for name, (value, unit) in json.loads(done.stdout).items()}
 
 
 def compare(revision: str, count: int) -> Iterator[str]:
+    """Yield a line for each figure; end with a sentence if a step of it fails."""
+    try:
+        yield from _compared(revision, count)
+    except subprocess.CalledProcessError as error:
+        step = shlex.join(map(str, error.cmd))
+        raise SystemExit(f"{revision} is not measured: {step} failed, as told above") from None
+
+
+def _compared(revision: str, count: int) -> Iterator[str]:
     """Yield a line for each figure: there, here, and their ratio."""
     with environment(revision) as other:
         runs: list[list[Rows]] = [[], []]
