@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from lipsync_lang.production.builds.build_run import BuildOutcome
     from lipsync_lang.production.builds.planning import BuildPlan
     from lipsync_lang.production.builds.project_build import ProjectBuild
+    from lipsync_lang.production.builds.unchanged import BuildLog
 
 
 WAKE_MILLISECONDS = 500
@@ -46,23 +47,27 @@ class StandingRemarks:
     """Prints each remark once while it holds, since every build repeats it."""
 
     def __init__(self) -> None:
-        self._before: set[str | Fault] = set()
-        self._now: set[str | Fault] = set()
+        self._before: dict[str | Fault, None] = {}
+        self._now: dict[str | Fault, None] = {}
 
     def begin(self) -> None:
         """Begin another build."""
-        self._before, self._now = self._now, set()
+        self._before, self._now = self._now, {}
 
     def __call__(self, text: "str | Fault") -> None:
         """Print a remark, unless the build before printed it."""
         if text not in self._before | self._now:
             print(text, file=sys.stderr)
-        self._now.add(text)
+        self._now[text] = None
 
     @property
     def changed(self) -> bool:
         """True if this build has other remarks than the one before."""
         return self._now != self._before
+
+    def told(self) -> list[str]:
+        """Return the remarks of this build."""
+        return list(map(str, self._now))
 
 
 class MadeByBuilds:
@@ -75,7 +80,7 @@ class MadeByBuilds:
     def learn(self, project: "ProjectBuild", reports: Iterable[Path]) -> None:
         """Read the current files of a project."""
         from lipsync_lang.production.builds.archives import split_archive
-        from lipsync_lang.production.builds.build_reports import pages_folder
+        from lipsync_lang.production.builds.unchanged import pages_folder
 
         files = {str(path.absolute()) for path in reports}
         for line in project.lines:
@@ -89,7 +94,7 @@ class MadeByBuilds:
         """Return True for a file that builds write."""
         from lipsync_lang.base.files.temporary import SUFFIX
         from lipsync_lang.production.builds.faces import FACE_SUFFIX
-        from lipsync_lang.production.builds.records import FOLDER
+        from lipsync_lang.production.builds.unchanged import FOLDER
 
         at = Path(path)
         return (
@@ -205,10 +210,28 @@ def build(options: Namespace) -> int:
     """Make the lines that changed since the last build, and report on all lines."""
     if options.watch:
         return watch_project(options, partial(_once, options))
-    return _once(options, StandingRemarks(), MadeByBuilds())
+    from lipsync_lang.packs.project import find_project
+    from lipsync_lang.production.builds.unchanged import BuildLog, answer
+
+    file, part = find_project(), options.shard.replace("/", "-of-") if options.shard else ""
+    said = None if file is None else answer(file.absolute().parent, part, options)
+    if said is None:
+        return _once(options, StandingRemarks(), MadeByBuilds(), BuildLog())
+    for remark in said["remarks"]:
+        print(remark, file=sys.stderr)
+    if options.json:
+        BuildTeller(as_events=True)("end", said["figures"])
+    else:
+        _tell_all(said["words"])
+    return SOUND if said["passed"] else FAULTS
 
 
-def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> int:
+def _once(
+    options: Namespace,
+    remarks: StandingRemarks,
+    made: MadeByBuilds,
+    log: "BuildLog | None" = None,
+) -> int:
     from lipsync_lang.production.builds.build_run import locked, make
     from lipsync_lang.production.builds.faces import write_faces
     from lipsync_lang.production.builds.keeping import prune
@@ -240,6 +263,8 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
     with lock, Records.open(project.folder, write=not options.dry_run, part=part) as records:
         teller.begin(f"comparing {len(project.lines):,} lines with the last build")
         plan = project.plan(records, force=options.force, overwrite=options.overwrite)
+        if log is not None:
+            log.listens = not plan.stale
         if options.dry_run:
             return _listed(plan, project, as_events=options.json)
         if project.settings.face_once:
@@ -251,10 +276,15 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
         deleted = prune(plan, project.folder, records) if options.prune else []
         wipe()
         figures, over, passed = _report(options, project, outcome, reports, deleted)
+        words = [] if options.json else [*_in_words(figures, over)]
+    if log is not None and not (plan.stale or deleted or project.unsound):
+        said = {"figures": figures, "words": words, "passed": passed, "remarks": remarks.told()}
+        files = plan.stamps(project.folder)
+        log.keep(project.folder, part, options, said=said, outputs=files, reports=reports)
     if options.json:
         teller("end", figures)
     elif outcome.built or remarks.changed or not options.watch:
-        _tell_all(_in_words(figures, over))
+        _tell_all(words)
     return SOUND if passed else FAULTS
 
 

@@ -6,7 +6,7 @@ are the records. Several paths have a bar between them, and the first that leads
 A field of a record may be a path, or several, too.
 
 A format that differs from others by path and names alone is a `RecordFormat`: a row of
-`readers/record_formats.py`, or of a project.
+`readers/record_formats.json`, or of a project.
 """
 
 from collections import defaultdict
@@ -160,7 +160,7 @@ def record_format(name: str, row: Mapping[str, Any]) -> RecordFormat:
     for kind in ("phonemes", "words"):
         if facts.get(kind) is not None:
             facts[kind] = RecordList(**facts[kind])
-    return RecordFormat(name, **facts)
+    return RecordFormat(name, **facts | {"mentions": tuple(facts.get("mentions") or ())})
 
 
 def records_at(  # noqa: PLR0913 a path and its place

@@ -277,7 +277,6 @@ EXEMPT = {
     ("*/sapi.py", "sapi*"): "the program's format and its notation have one name",
     ("*/smartbody.py", "smartbody"): "the name of the format",
     ("plugins/timings/bml.py", "smartbody"): "the notation that the format is in",
-    ("schedules/readers/record_formats.py", "oculus"): "the notation that a format is in",
     ("schedules/readers/json.py", "HH"): "the example of the format's form",
     ("packs/finding.py", "vrm"): "the suffix of files in the format",
     ("plugins/g2p/kana.py", "japanese"): "the name of the extra that installs it",

@@ -38,6 +38,7 @@ from lipsync_lang.production.builds.build_tally import (
 from lipsync_lang.production.builds.planned_line import BuiltLine, JudgedFigure, PlannedLine
 from lipsync_lang.production.builds.project_build import ProjectBuild
 from lipsync_lang.production.builds.records import Key
+from lipsync_lang.production.builds.unchanged import pages_folder
 
 MAX_PAGES = 20
 """Number of worst lines with a page of their own."""
@@ -92,11 +93,6 @@ def report(
         pages = partial(_pages, project, outcome, linking) if linking else None
         write_report(paths, lines, heading, tally, pages=pages)
     return tally, [one for one in tally.worst if one.failed or one.unsure][:most]
-
-
-def pages_folder(report: Path) -> Path:
-    """Return the folder of the pages that a report links to."""
-    return report.with_name(f"{report.stem}-lines")
 
 
 def _pages(

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from lipsync_lang.performing.performer import Performer
-from lipsync_lang.production.builds.archives import StandingOutputs
+from lipsync_lang.production.builds.archives import StandingOutputs, split_archive
 from lipsync_lang.production.builds.digests import digest, file_digest, joined
 from lipsync_lang.production.builds.needs import PairNeeds, need_in_words
 from lipsync_lang.production.builds.output_paths import recorded_path
@@ -25,10 +25,8 @@ from lipsync_lang.production.builds.records import (
     from_json,
     unusable,
 )
+from lipsync_lang.production.builds.unchanged import TICK_NANOSECONDS
 from lipsync_lang.text.phonology.g2p.tokens import plain
-
-TICK_NANOSECONDS = 2_000_000_000
-"""Coarsest time stamps of a file system; a file may change twice in this time."""
 
 Needs = Mapping[tuple[str, str], PairNeeds]
 """Needs of every pair with its current packs, by language and character."""
@@ -55,6 +53,8 @@ REMAKE_REASONS = {
     "replaced": "was edited",
 }
 """States of an output that make its line stale, in words."""
+
+NO_OUTPUT = OutputRecord(-1, -1, "")
 
 STANDING = ("edited", "unknown")
 """States of an output that a build must not replace."""
@@ -100,6 +100,17 @@ class BuildPlan:
     def kept(self) -> tuple[str, ...]:
         """The outputs to keep, because a person changed them."""
         return tuple(path for step in self.steps for path in step.kept)
+
+    def stamps(self, folder: Path) -> Iterator[tuple[str, tuple[int, int]]]:
+        """Yield the files of the lines, each with its size and time if a record states them."""
+        home = str(folder)
+        for step in self.steps:
+            known = step.record.outputs if step.record is not None else {}
+            for _, path in step.line.outputs:
+                file, _ = split_archive(path) or (path, "")
+                yield os.path.join(home, file), known.get(path, NO_OUTPUT)[:2]  # noqa: PTH118
+            for read in filter(None, (step.line.timings, step.line.audio)):
+                yield os.path.join(home, read), NO_OUTPUT[:2]  # noqa: PTH118
 
 
 def plan(  # noqa: PLR0913 the lines, records and options

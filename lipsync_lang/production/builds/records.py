@@ -20,11 +20,7 @@ from lipsync_lang.base.errors import LipsyncError, OutputError
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.base.files.writing import cannot_write
 from lipsync_lang.production.builds.planned_line import JudgedFigure, Verdict
-
-FOLDER = ".lipsync_lang"
-"""Folder of a project for the records of builds."""
-
-RECORDS_FILE = "build.sqlite"
+from lipsync_lang.production.builds.unchanged import FOLDER, RECORDS_FILE
 
 RECORD_CURE = "copy the project to another folder, since a build keeps its record there"
 

@@ -1,0 +1,203 @@
+"""The index of a build without work: the next build answers by it, and reads nothing.
+
+The index lists the files and folders that the build read and left, each with its state, and what
+the build said. While all states and the options are the same, so is the answer. A file that changed
+shortly before the build may change again without another time, so no index is kept then.
+"""
+
+import json
+import os
+import sys
+import time
+import warnings
+from argparse import Namespace
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from hashlib import blake2b
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+from lipsync_lang.base.errors import OutputError
+from lipsync_lang.base.files.writing import atomic
+from lipsync_lang.base.version import __version__
+
+FOLDER = ".lipsync_lang"
+"""Folder of a project for the records of builds."""
+
+RECORDS_FILE = "build.sqlite"
+
+INDEX = "unchanged.txt"
+"""File of the index, beside the record."""
+
+TICK_NANOSECONDS = 2_000_000_000
+"""Coarsest time stamps of a file system; a file may change twice in this time."""
+
+LAST_LINE = b"end"
+"""First word of the last line, whose second is a digest of all others."""
+
+UNSTABLE = ("/proc/", "/sys/", "/dev/")
+"""Folders of a system whose files have no content of their own."""
+
+READERS = "lipsync_lang.packs.library"
+"""Module that a process loads before it reads packs; caches hide what is read after that."""
+
+BuildAnswer = dict[str, Any]
+"""Words and figures of a build, as JSON values."""
+
+
+def answer(project: Path, part: str, options: Namespace) -> BuildAnswer | None:
+    """Return what the last build said, if nothing has changed since; None if anything may have."""
+    index, whole = project / FOLDER / part / INDEX, blake2b()
+    wrong = OSError, ValueError, KeyError, TypeError, RecursionError
+    with suppress(*wrong), index.open("rb") as lines:
+        first = next(lines, b"")
+        head = json.loads(first)
+        if head["key"] != _key(options):
+            return None
+        whole.update(first)
+        for line in lines:
+            known, _, path = line[:-1].partition(b"\t")
+            if known == LAST_LINE:
+                said: BuildAnswer = head["said"]
+                return said if path.decode() == whole.hexdigest() else None
+            if known != (_folder_state if known[:1] == b"d" else _file_state)(os.fsdecode(path)):
+                return None
+            whole.update(line)
+    return None
+
+
+class _ChangedError(Exception):
+    """A file changed too late to be trusted."""
+
+
+class BuildLog:
+    """Files that a process reads from the start of a build, and folders that it lists."""
+
+    def __init__(self) -> None:
+        self.start = time.time_ns()
+        self.files: dict[str, None] = {}
+        self.folders: dict[str, bytes] = {}
+        # A process that has read packs before does not read all of them again.
+        self.whole = self.listens = READERS not in sys.modules
+        if self.whole:
+            self._note("os.scandir", ("",))  # names in it are tried without a list of it
+            sys.addaudithook(self._note)
+            self._show, warnings.showwarning = warnings.showwarning, self._warn
+
+    def keep(  # noqa: PLR0913 what an index holds
+        self,
+        project: Path,
+        part: str,
+        options: Namespace,
+        *,
+        said: BuildAnswer,
+        outputs: Iterable[tuple[str, tuple[int, int]]],
+        reports: Sequence[Path],
+    ) -> None:
+        """Write the index, unless something may have changed during the build.
+
+        Parameters
+        ----------
+        outputs : path, and size and time as the record states them
+        reports : the reports that the build has written
+        """
+        self.listens, own = False, project / FOLDER / part
+        if not self.whole:
+            return
+        settled = self.start - TICK_NANOSECONDS
+        modules = (getattr(one, "__file__", None) or "" for one in list(sys.modules.values()))
+        sources = (path for path in modules if "lipsync_lang" in path)
+        read = (path for path in (*self.files, *sources) if not path.endswith(".pyc"))
+        states = chain(
+            ((state, path) for path, state in self.folders.items()),
+            ((_file_state(path, settled), path) for path in read),
+            ((_file_state(path, settled, stamp), path) for path, stamp in outputs),
+            ((_file_state(str(path)), str(path)) for path in self._written(own, reports)),
+        )
+        head = {"key": _key(options), "said": said}
+        whole = blake2b()
+        with suppress(_ChangedError, OutputError), atomic(own / INDEX) as stream:
+            for line in chain([json.dumps(head).encode()], map(_line, states)):
+                whole.update(line + b"\n")
+                stream.write(line + b"\n")
+            stream.write(b"%s\t%s\n" % (LAST_LINE, whole.hexdigest().encode()))
+
+    def _written(self, own: Path, reports: Iterable[Path]) -> Iterator[Path]:
+        """Yield the record, and the reports with their pages."""
+        yield own / RECORDS_FILE
+        for report in reports:
+            yield report
+            yield from pages_folder(report).rglob("*")
+
+    def _warn(self, *given: Any, **named: Any) -> None:
+        self.whole = False  # the next build must say it again
+        self._show(*given, **named)
+
+    def _note(self, event: str, given: tuple[Any, ...]) -> None:
+        if not self.listens or event not in ("open", "os.listdir", "os.scandir"):
+            return
+        path = given[0] or "."
+        if isinstance(path, int) or (event == "open" and given[2] & (os.O_WRONLY | os.O_RDWR)):
+            return
+        place = os.path.abspath(os.fsdecode(path))  # noqa: PTH100 thousands of files
+        if place.startswith(UNSTABLE) or place.endswith(FOLDER):
+            return
+        if event == "open":
+            self.files[place] = None
+        elif place not in self.folders:
+            self.folders[place] = b""  # a list of it, made here, is an event as well
+            self.folders[place] = _folder_state(place)
+
+
+def pages_folder(report: Path) -> Path:
+    """Return the folder of the pages that a report links to."""
+    return report.with_name(f"{report.stem}-lines")
+
+
+def _key(options: Namespace) -> str:
+    """Return a digest of all that an answer depends on, beside files."""
+    stated = {name: value for name, value in vars(options).items() if not callable(value)}
+    named = {name for name in os.environ if name.startswith(("LIPSYNC_LANG_", "PYTHON"))}
+    variables = [(name, os.environ.get(name)) for name in sorted({*named, "PATH", "HOME"})]
+    whole = (__version__, sys.version, sys.path, str(Path.cwd()), variables, sorted(stated.items()))
+    return blake2b(repr(whole).encode("utf-8", "surrogatepass")).hexdigest()
+
+
+def _line(found: tuple[bytes, str]) -> bytes:
+    """Return a line of the index; raise an error for a file that changed too late."""
+    state, path = found
+    if not state or "\n" in path:
+        raise _ChangedError
+    return b"%s\t%s" % (state, os.fsencode(path))
+
+
+def _file_state(
+    path: str, settled: int | None = None, stamp: tuple[int, int] | None = None
+) -> bytes:
+    """Return the size and times of a file, or `f` without one.
+
+    The text is empty if the file changed after the time `settled`, and has not the size and time
+    of the `stamp`.
+    """
+    try:
+        stat = os.stat(path)  # noqa: PTH116 thousands of files
+    except (OSError, ValueError):
+        return b"f"
+    late = settled is not None and max(stat.st_mtime_ns, stat.st_ctime_ns) > settled
+    if late and stamp != (stat.st_size, stat.st_mtime_ns):
+        return b""
+    return b"f %d %d %d" % (stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns)
+
+
+def _folder_state(path: str) -> bytes:
+    """Return a digest of the names in a folder, and of the times of the folders in it.
+
+    A pack may be a file in a folder of its own. Hidden folders change with each build.
+    """
+    found: list[tuple[str, int]] = []
+    with suppress(OSError), os.scandir(path) as entries:
+        shown = (one for one in entries if not one.name.startswith((".", "__pycache__")))
+        found = sorted((one.name, one.stat().st_mtime_ns if one.is_dir() else 0) for one in shown)
+    whole = repr(found).encode("utf-8", "surrogatepass")
+    return b"d " + blake2b(whole, digest_size=16).hexdigest().encode()
