@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -112,29 +113,44 @@ def expressions_with(animation: Animation, field: str, values: Sequence[object])
 def _by_shapes(animation: Animation) -> Animation:
     if animation.model is None:
         return animation
-    own: dict[int, dict[str, float | None]] = defaultdict(dict)
-    for mesh in known_model(animation.model, bones=True).meshes:
-        on = on_mesh(animation.columns, mesh)
-        for column, names in on.shapes.items():
-            own[column] |= dict.fromkeys(names) | on.bound.get(column, {})
-    kept = {pose for column, pose in enumerate(animation.poses) if column not in own}
-    sources: dict[str, list[tuple[int, float | None]]] = defaultdict(list)
-    for column, pose in enumerate(animation.poses):
-        shapes = {name: weight for name, weight in own.get(column, {}).items() if name not in kept}
-        for name, weight in (shapes or {pose: None}).items():
-            sources[name].append((column, weight))
-    known = dict(zip(animation.poses, animation.columns, strict=True))
+    model = known_model(animation.model, bones=True)
+    sources, channels = _sources(model, animation.poses, animation.columns)
+    single = [some[0][0] for some in sources.values() if len(some) == 1 and some[0][1] is None]
+    values, lowest = animation.weights, animation.contacts
     floors = {
-        name: max(animation.contacts.get(animation.poses[column], 0.0) for column, _ in some)
-        for name, some in sources.items()
+        name: max(lowest.get(animation.poses[column], 0.0) for column, _ in some)
+        for name, some in (sources.items() if lowest else ())
     }
     return replace(
         animation,
         poses=tuple(sources),
-        weights=np.column_stack([_moved(animation.weights, some) for some in sources.values()]),
-        channels=tuple(known[name] if name in kept else Channel(name) for name in sources),
+        # columns at once, if no shape has two
+        weights=values[:, single]
+        if len(single) == len(sources)
+        else np.column_stack([_moved(values, some) for some in sources.values()]),
+        channels=channels,
         contacts={name: floor for name, floor in floors.items() if floor},
     )
+
+
+@lru_cache(maxsize=8)  # the lines of a character share them
+def _sources(
+    model: Model, poses: tuple[str, ...], columns: tuple[Channel, ...]
+) -> tuple[dict[str, list[tuple[int, float | None]]], tuple[Channel, ...]]:
+    """Return the columns that move each shape, with their weights in binds, and its channel."""
+    own: dict[int, dict[str, float | None]] = defaultdict(dict)
+    for mesh in model.meshes:
+        on = on_mesh(columns, mesh)
+        for column, names in on.shapes.items():
+            own[column] |= dict.fromkeys(names) | on.bound.get(column, {})
+    kept = {pose for column, pose in enumerate(poses) if column not in own}
+    sources: dict[str, list[tuple[int, float | None]]] = defaultdict(list)
+    for column, pose in enumerate(poses):
+        shapes = {name: weight for name, weight in own.get(column, {}).items() if name not in kept}
+        for name, weight in (shapes or {pose: None}).items():
+            sources[name].append((column, weight))
+    known = dict(zip(poses, columns, strict=True))
+    return sources, tuple(known[name] if name in kept else Channel(name) for name in sources)
 
 
 def _moved(values: Floats, sources: Sequence[tuple[int, float | None]]) -> Floats:

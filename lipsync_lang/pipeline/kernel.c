@@ -42,7 +42,7 @@ before any is used. There is no static state; the GIL is released while the stag
 typedef Py_ssize_t Size;
 typedef unsigned char Byte;
 
-#define INTERFACE 5         /* kernel.py: another number wherever calls or arguments change */
+#define INTERFACE 6         /* kernel.py: another number wherever calls or arguments change */
 #define RESOLUTION 128      /* tables.py */
 #define TOUCH 1e-7          /* warp.py */
 #define MARGIN 0.030        /* hold.py */
@@ -1090,7 +1090,83 @@ static PyObject *weigh(PyObject *module, PyObject *const *args, Py_ssize_t nargs
     return made;
 }
 
+#define SHORT_NUMBER 32 /* bytes of a number below EXACT, its sign and what ends it */
+#define EXACT 1e9       /* scaled numbers below have errors far below NEAR_HALF */
+#define NEAR_HALF 1e-4  /* nearer than this to a half, the exact digits decide */
+
+/* Write a number with so many digits after the point, as Python's "%.5f" does; return the end.
+NULL, with an exception, if there is no memory. */
+static char *write_number(char *at, double value, int digits, double scale)
+{
+    const double scaled = value * scale, whole = floor(scaled), part = scaled - whole;
+    if (!(value >= 0 && scaled < EXACT) || signbit(value) || fabs(part - 0.5) < NEAR_HALF) {
+        char *exact = PyOS_double_to_string(value, 'f', digits, 0, NULL);
+        if (!exact)
+            return NULL;
+        const size_t length = strlen(exact);
+        memcpy(at, exact, length);
+        PyMem_Free(exact);
+        return at + length;
+    }
+    unsigned long long number = (unsigned long long)whole + (part > 0.5);
+    char text[SHORT_NUMBER];
+    int begin = SHORT_NUMBER;
+    for (int count = 0; count <= digits || number; count++) {
+        if (count == digits)
+            text[--begin] = '.';
+        text[--begin] = (char)('0' + number % 10);
+        number /= 10;
+    }
+    memcpy(at, text + begin, (size_t)(SHORT_NUMBER - begin));
+    return at + (SHORT_NUMBER - begin);
+}
+
+/* The bytes that a number takes at most. */
+static size_t room(double value)
+{
+    return fabs(value) < EXACT ? SHORT_NUMBER : 320 + SHORT_NUMBER;
+}
+
+/* rows(columns, table) -> str: a line of each row, with commas; six digits in its first number, five in others */
+static PyObject *rows(PyObject *module, PyObject *const *args, Py_ssize_t nargs)
+{
+    (void)module;
+    const Size columns = nargs == 2 ? PyLong_AsSsize_t(args[0]) : -1;
+    Py_buffer view;
+    if (columns < 1) {
+        if (!PyErr_Occurred())
+            PyErr_SetString(PyExc_ValueError, "rows(columns, table) of at least one column");
+        return NULL;
+    }
+    if (PyObject_GetBuffer(args[1], &view, PyBUF_SIMPLE) < 0)
+        return NULL;
+    const double *values = view.buf;
+    const Size count = view.len / (Size)sizeof(double);
+    PyObject *made = NULL;
+    if (view.len % (Size)sizeof(double) || count % columns) {
+        PyErr_SetString(PyExc_ValueError, "a table of whole rows is needed");
+    } else {
+        size_t most = 0;
+        for (Size i = 0; i < count; i++)
+            most += room(values[i]);
+        char *text = malloc(most + 1), *at = text;
+        if (!text)
+            PyErr_NoMemory();
+        for (Size i = 0; at && i < count; i++) {
+            const int first = i % columns == 0, last = i % columns == columns - 1;
+            if ((at = write_number(at, values[i], first ? 6 : 5, first ? 1e6 : 1e5)))
+                *at++ = last ? '\n' : ',';
+        }
+        if (at)
+            made = PyUnicode_DecodeASCII(text, at - text, NULL);
+        free(text);
+    }
+    PyBuffer_Release(&view);
+    return made;
+}
+
 static PyMethodDef methods[] = {
+    {"rows", (PyCFunction)(void (*)(void))rows, METH_FASTCALL, "Write a table of numbers as text."},
     {"bank", make_bank, METH_VARARGS, "Keep the curves of a language and a character."},
     {"plan", make_plan, METH_VARARGS, "Keep what a motion at a frame rate needs."},
     {"utter", (PyCFunction)(void (*)(void))utter, METH_FASTCALL, "Perform phonemes in time."},

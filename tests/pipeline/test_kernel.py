@@ -170,6 +170,33 @@ def test_the_kernel_refuses_banks_of_other_sizes(line, data):
         kernel.compiled.bank(*made)
 
 
+NUMBERS = st.one_of(
+    st.floats(),
+    st.floats(-1, 2),
+    st.integers(-10, 400_000).map(lambda number: number / 2e5),  # halves of the last digit
+    st.integers(-10, 4_000_000).map(lambda number: np.nextafter(number / 2e6, 2)),
+)
+
+
+@needs_kernel
+@given(st.integers(1, 5), st.lists(NUMBERS, max_size=20))
+def test_the_kernel_writes_numbers_as_python_does(columns, numbers):
+    table = np.array(numbers[: len(numbers) // columns * columns], float)
+    row = ",".join(["%.6f", *["%.5f"] * (columns - 1)]) + "\n"
+    assert kernel.compiled.rows(columns, table) == row * (len(table) // columns) % tuple(table)
+
+
+@needs_kernel
+def test_the_kernel_refuses_tables_of_broken_rows():
+    for columns, table in ((2, np.ones(3)), (0, np.ones(3)), (-1, np.ones(3)), (2**62, np.ones(3))):
+        with pytest.raises(ValueError, match="row"):
+            kernel.compiled.rows(columns, table)
+    with pytest.raises(TypeError):
+        kernel.compiled.rows(1, None)
+    with pytest.raises(TypeError):
+        kernel.compiled.rows(None, np.ones(3))
+
+
 def test_the_library_tells_of_the_code_it_was_built_from(root):
     source = (root / "lipsync_lang" / "pipeline" / "kernel.c").read_text("utf-8")
     assert f"#define INTERFACE {kernel.INTERFACE} " in source
