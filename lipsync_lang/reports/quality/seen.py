@@ -40,6 +40,10 @@ class _MeasuredMouth(NamedTuple):
     """(T,)"""
     filmed: Floats
     """(n,) aperture of each phoneme in film; NaN if none is stated."""
+    meant: Floats
+    """(T,) the same of each frame; NaN outside of speech, too."""
+    lowest: Floats
+    """(n,) lowest aperture in the frames of each phoneme; NaN without frames."""
 
 
 FigureOf = Callable[[_MeasuredMouth, slice, slice], list[Figure]]
@@ -55,7 +59,10 @@ def _mouth(scene: MeasuredScene) -> _MeasuredMouth | str:
     if scene.motion.hold > 0:
         return "poses are shown one at a time"
     aperture, width = seen.gains[:2] @ scene.curves
-    return _MeasuredMouth(seen, np.maximum(0.0, aperture), width, seen.apertures[scene.ids])
+    aperture, filmed = np.maximum(0.0, aperture), seen.apertures[scene.ids]
+    meant = np.where(scene.speaking, filmed[scene.owner], np.nan)
+    # The lowest is the highest of the opposite.
+    return _MeasuredMouth(seen, aperture, width, filmed, meant, -scene.highest(-aperture))
 
 
 def _lines(
@@ -85,7 +92,7 @@ def seen_opening(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """
 
     def figure_of(mouth: _MeasuredMouth, span: slice, _: slice) -> list[Figure]:
-        filmed = np.where(scene.speaking, mouth.filmed[scene.owner], np.nan)[span]
+        filmed = mouth.meant[span]
         known = np.isfinite(filmed)
         if not np.nanmax(filmed, initial=0.0) > SLIT:
             return unjudged("no sound of the line opens the mouth")
@@ -141,8 +148,7 @@ def seen_gaps(scene: MeasuredScene) -> Iterable[list[Figure]]:
         meant = asked[own] & (mouth.filmed[own] == 0)
         if not meant.any():
             return unjudged("no sound of the line shuts the lips")
-        # The lowest is the highest of the opposite.
-        least = -scene.highest(-mouth.aperture)[own]
+        least = mouth.lowest[own]
         apart = meant & ~(least <= SLIT)
         told = {own.start + n: f"leaves the lips {least[n]:.2f} apart" for n in apart.nonzero()[0]}
         return one(share(apart[meant]), findings=places(scene, told))
