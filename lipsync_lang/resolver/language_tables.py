@@ -10,7 +10,7 @@ from unicodedata import normalize
 from lipsync_lang.packs.finding import IPA, beside, model_beside
 from lipsync_lang.text.phonology.g2p.g2p_engines import TONED, Correction, Rule, Settings
 from lipsync_lang.text.phonology.g2p.own_words import by_spelling, ipa_labels, stands_alone
-from lipsync_lang.text.phonology.g2p.spoken_forms import Interjection, OwnWord, SpokenForms
+from lipsync_lang.text.phonology.g2p.spoken_forms import OwnWord, SpokenForms
 from lipsync_lang.text.phonology.g2p.tokens import plain
 from lipsync_lang.text.phonology.labels import Notation, Value, looser, normalise, ready
 from lipsync_lang.text.phonology.manner import Hearing, Manner
@@ -158,27 +158,28 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
     Shared interjections go to the nearest labels of the language, if its engine writes IPA.
     """
     stated, shared = language.text, common.text
-    known: dict[str, Interjection] = {}
+    known: dict[str, OwnWord] = {}
     words, phrases = _own_words(language, language.notations.get(notation, ()))
     if shared is not None and notation == IPA:
         labels = frozenset(map(normalise, language.notations.get(IPA, ())))
         nearest = _nearest(labels, shared.nearby)
         for spelling, sounds in shared.interjections.items():
             if sounds is not None and (found := nearest(sounds.to)):
-                known[spelling] = Interjection(found, sounds.say)
+                known[spelling] = OwnWord(found, sounds.say)
         taken = {plain(word) for word in (*words, *(stated.abbreviations if stated else ()))}
         tag = language.tag.partition("-")[0]
         names = [one for tags, one in shared.names.items() if tag not in tags.split()]
         for name, ipa in (pair for one in names for pair in one.items()):
             if plain(name) not in taken:
                 words[name] = OwnWord(nearest(ipa.split()))
-    vowels, censored = (shared.vowels, shared.censored) if shared is not None else ("", ())
+    for_all = ("vowels", "censored", "particles") if shared is not None else ()
+    shared_forms = {name: getattr(shared, name) for name in for_all}
     if stated is None:
-        return SpokenForms(known, phrases, words, vowels=vowels, censored=censored)
+        return SpokenForms(known, phrases, words, **shared_forms)
     for spelling, own in stated.interjections.items():
         known.pop(spelling, None)
         if own is not None:
-            known[spelling] = Interjection(own.to, own.say)
+            known[spelling] = OwnWord(own.to, own.say)
     numerals = stated.numerals
     alike = ("beginnings", "letters", "repeated", "doubled", "hyphenated", "thousands", "decimal")
     return SpokenForms(
@@ -187,12 +188,9 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         words=words,
         endings={last: dict(others) for last, others in stated.endings.items()},
         numbers={**stated.numbers, **stated.number_tables},
-        counted=numerals.counted,
-        named=numerals.named,
-        ordinals=numerals.ordinals,
         numeral_words=numerals.words,
-        vowels=vowels,
-        censored=censored,
+        **{name: getattr(numerals, name) for name in ("counted", "named", "ordinals")},
+        **shared_forms,
         **{name: getattr(stated, name) for name in alike},
     )
 

@@ -281,8 +281,11 @@ class SharedText(Strict):
 
     vowels: str = ""
     """Letters of vowels, small and without accents, in all alphabets."""
-    censored: tuple[Text, ...] = ()
-    """For each alphabet, the vowel that is read for the signs of a censored word, as in `f*ck`."""
+    censored: dict[Text, tuple[Text, ...]] = Field(default={})
+    """For each alphabet, the letter that is read for a sign of a censored word, as in `sh!t`. Those
+    of `*` serve all other signs."""
+    particles: tuple[Text, ...] = ()
+    """Small words of a name, such as `van`, which may stand between a rank and a capital."""
     interjections: InterjectionTable = Field(default={})
     """The sounds of interjections in IPA, for every language whose `g2p` writes IPA."""
     nearby: dict[Label, tuple[Label, ...]] = Field(default={})

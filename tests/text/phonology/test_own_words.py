@@ -12,12 +12,12 @@ from lipsync_lang.resolver.language_tables import forms_of
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 from lipsync_lang.text.phonology.g2p import SpokenWord
 from lipsync_lang.text.phonology.g2p.own_words import OwnWords, by_spelling, ipa_labels
-from lipsync_lang.text.phonology.g2p.spoken_forms import Interjection, OwnWord, SpokenForms
+from lipsync_lang.text.phonology.g2p.spoken_forms import OwnWord, SpokenForms
 from lipsync_lang.text.phonology.g2p.tokens import plain, read_words
 from lipsync_lang.text.phonology.g2p.utterances import Utterances
 
 FORMS = SpokenForms(
-    interjections={"mm": Interjection(("m",))},
+    interjections={"mm": OwnWord(("m",))},
     abbreviations={"Bo": "bob"},
     words={"Joe": OwnWord((), "djo"), "Anna": OwnWord(tuple("ana")),
            "Mia": OwnWord(tuple("mia"), "me a"), "xan": OwnWord((), "zan"),

@@ -7,17 +7,17 @@ import pytest
 from lipsync_lang import SpeechError
 from lipsync_lang.text.phonology.g2p import SpokenWord, abbreviation_keys
 from lipsync_lang.text.phonology.g2p.abbreviation_keys import Expansions, roman
-from lipsync_lang.text.phonology.g2p.spoken_forms import Interjection, SpokenForms
+from lipsync_lang.text.phonology.g2p.spoken_forms import OwnWord, SpokenForms
 from lipsync_lang.text.phonology.g2p.tokens import read_words
 from lipsync_lang.text.phonology.g2p.utterances import Utterances
 
 FORMS = SpokenForms(
     interjections={
-        "mm": Interjection(("m",), "um"),
-        "sh": Interjection(("S",)),
-        "pst": Interjection(("p", "s", "t")),
-        "haha": Interjection(("h", "a", "h", "a")),
-        "argh": Interjection(("a", "g")),
+        "mm": OwnWord(("m",), "um"),
+        "sh": OwnWord(("S",)),
+        "pst": OwnWord(("p", "s", "t")),
+        "haha": OwnWord(("h", "a", "h", "a")),
+        "argh": OwnWord(("a", "g")),
     },
     abbreviations={"dr.": "doctor", "D.": "don", "St.": "saint", "z. b.": "zum bei",
                    "$#": "{1} dollars", "#/#": "{2} of {1}",
@@ -122,7 +122,7 @@ def test_expressions_are_compiled_only_where_a_text_begins_like_their_key(monkey
 
 def test_capitals_are_spelled_if_all_have_names():
     names = {"P": "pe", "S": "es", "G": "ge", "R": "er", "T": "te"}
-    forms = SpokenForms(letters=names, interjections={"pst": Interjection((), "pst")})
+    forms = SpokenForms(letters=names, interjections={"pst": OwnWord((), "pst")})
     read = [one.read for one in Expansions(forms).find("PPS, PST! GRRR, PPPS, NATO; xGPS, GPSTPS")]
     assert read == ["pe pe es"]
 

@@ -115,6 +115,8 @@ class AbbreviationKeys:
         self._minus = self._expansions.get("-#", "").partition("{")[0]
         self._decimal = forms.decimal
         self._thousands = forms.thousands
+        particles = map(re.escape, sorted(forms.particles, key=len, reverse=True))
+        self._particle = re.compile(f"(?:(?:{'|'.join(particles)}) ?)?")
         between = re.escape(forms.thousands) + _SPACES
         self._grouped = re.compile(
             rf"(?<!\d[{_SPACES}])(?:(?!0)\d{{1,3}}(?:[{between}]\d{{3}})+|\d\d?(?:,\d\d)+,\d{{3}})"
@@ -249,7 +251,8 @@ class AbbreviationKeys:
             after = after.lstrip("'’") if key[-2:-1] == " " else after
             glued = key[-1] == "." and _UNSPACED_LETTER.match(after)
             titled, choosy, alone = self._expansions[key].partition("|")
-            words = titled if _fits(found, titled, choosy=bool(choosy)) else alone
+            particle = self._particle if choosy else None
+            words = titled if _fits(found, titled, particle) else alone
             if words and (glued or not (in_word and is_spaced(after[:1]))):
                 best, read = found, words
         return best, read
@@ -327,13 +330,13 @@ def _either(key: str) -> str:
     return first + (first.upper() if first.islower() and len(first.upper()) == 1 else "")
 
 
-def _fits(found: re.Match[str], read: str, *, choosy: bool) -> bool:
+def _fits(found: re.Match[str], read: str, particle: re.Pattern[str] | None) -> bool:
     """Return False for a title without a name: `vitamin D.`, `in Main St.`, `5 m. wide`.
 
-    A name of a `choosy` title begins with a capital.
+    Behind a title that may mean something else, a name has a capital, perhaps after a `particle`.
     """
     key = found[0]
-    if read.endswith(".") or not (choosy or key.endswith(".")):
+    if read.endswith(".") or not (particle or key.endswith(".")):
         return True
     after = _seen_after(found).lstrip(" \u00a0\u202f")
     if key[:-1].isdigit():
@@ -343,8 +346,9 @@ def _fits(found: re.Match[str], read: str, *, choosy: bool) -> bool:
     if len(key) == len("D."):
         before = found.string[max(found.start() - SEEN_KEY_CHARS, 0) : found.start()].rstrip()
         return after[:1].isalpha() and not after[:1].islower() and not before[-1:].isdigit()
-    named = after[:1].isupper() if choosy else any(map(str.isalnum, after[:3]))
-    return named or not (choosy or key[0].isupper())
+    if particle:
+        return particle.sub("", after, count=1)[:1].isupper()
+    return any(map(str.isalnum, after[:3])) or not key[0].isupper()
 
 
 def _seen_after(found: re.Match[str]) -> str:

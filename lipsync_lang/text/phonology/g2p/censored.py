@@ -1,33 +1,45 @@
-"""Censored words, such as `f*ck`: the signs in them stand for a vowel."""
+"""Censored words, such as `f*ck`: the signs in them stand for letters."""
 
 import re
 from collections.abc import Iterator
+from itertools import pairwise
 from unicodedata import name
 
 from lipsync_lang.text.phonology.g2p.abbreviation_keys import Replacement
 from lipsync_lang.text.phonology.g2p.drawn_out import folded
 from lipsync_lang.text.phonology.g2p.spoken_forms import SpokenForms
 
-_CURSE_SIGN, _LETTER = "[#@$%&*∗]", r"[^\W\d_]"
-_BETWEEN_LETTERS = (
-    rf"(?:[*∗]+(?={_LETTER})|[#@$](?=[^\W\d_A-Z])|{_CURSE_SIGN}(?:[!?]*{_CURSE_SIGN})+)"
+_CURSE_SIGN, _SMALL = "[#@$%&*∗]", r"(?=[^\W\d_A-Z])"
+_HIDING = (
+    rf"[*∗]+(?=[^\W\d_])|[#@$!]{_SMALL}|[!?]*{_CURSE_SIGN}(?:[!?]*{_CURSE_SIGN}|[!?]+{_SMALL})+"
 )
-_MASKED = re.compile(rf"(?<![\w*]){_LETTER}+(?:{_BETWEEN_LETTERS}{_LETTER}*)+")
+_MASKED = re.compile(rf"(?<![\w*])[^\W\d_]+(?:(?:{_HIDING})[^\W\d_]*)+(?![\w*∗])")
+_POSSIBLE = re.compile(rf"{_CURSE_SIGN}|\w!\w")
 
 
 def uncensored(text: str, forms: SpokenForms) -> Iterator[Replacement]:
-    """Yield censored words, of which a part lacks a vowel, with one in place of the signs.
+    """Yield censored words with letters in place of the signs.
 
-    `Lehrer*innen` and `x*y` are none.
+    Somewhere in them a vowel is missing, or several signs are. `Lehrer*innen` and `x*y` are none.
     """
-    for found in _MASKED.finditer(text) if re.search(_CURSE_SIGN, text) else ():
-        parts = re.split(r"\W+", found[0])
-        script = name(found[0][0], "").split(" ")[0]
-        vowel = next((one for one in forms.censored if name(one[0]).startswith(script)), "")
-        lacking = any(part and not set(folded(part)) & set(forms.vowels) for part in parts)
-        formula = found[0].isascii() and all(len(part) == 1 for part in parts)
-        if vowel and lacking and not formula:
-            yield Replacement(*found.span(), vowel.join(parts))
+    for found in _MASKED.finditer(text) if _POSSIBLE.search(text) else ():
+        words, signs = re.split(r"\W+", found[0]), re.findall(r"\W+", found[0])
+        script, known = name(found[0][0], "").split(" ")[0], forms.censored.items()
+        letters = {
+            sign: next((one for one in some if name(one[0]).startswith(script)), "")
+            for sign, some in known
+        }
+        usual, vowels = letters.pop("*", ""), set(forms.vowels)
+        # two consonants beside a sign: `verd*mmter`; before `!`, a space may be missing
+        sides = [a[-1] + b[0] for a, b in pairwise(words) if b and "!" not in signs]
+        lacking = not all(vowels & set(folded(one)) for one in [*filter(None, words), *sides])
+        formula = found[0].isascii() and re.fullmatch(r"(?:\w\W)+\w?", found[0])
+        many = len(signs) == 1 < len(signs[0]) and words[1]
+        if usual and (lacking or many) and not formula:
+            said = [
+                "".join(letters[one] for one in s) if {*s} <= {*letters} else usual for s in signs
+            ]
+            yield Replacement(*found.span(), "".join(map(str.__add__, words, [*said, ""])))
 
 
 def unstressed(text: str, forms: SpokenForms) -> str:

@@ -9,6 +9,7 @@ found behind a hyphen and a prefix in small letters, too: `noMacron` is `no` and
 
 import re
 from collections.abc import Collection, Iterable, Mapping
+from itertools import chain
 from typing import NamedTuple
 
 from lipsync_lang.text.phonology.g2p.abbreviation_keys import Replacement, is_spaced, respelled
@@ -70,9 +71,7 @@ class OwnWords:
         # Most words begin like none of these; an ending may replace the last letters.
         self._starts = {word[: min(max(len(word) - lost, 1), 3)] for word in self._words}
         # an apostrophe or a hyphen may stand before an ending
-        self._longest = 1 + max(
-            (len(one) for others in forms.endings.values() for one in others), default=0
-        )
+        self._longest = 1 + max(map(len, chain.from_iterable(forms.endings.values())), default=0)
 
     def found_in(self, text: str, tokens: Iterable[TextPiece]) -> FoundWords:
         """Find the words that the pack reads itself; `tokens` are the pieces of the text."""

@@ -4,22 +4,15 @@ Interjections, abbreviations, Roman numerals, and the words that only look drawn
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any, NamedTuple, Self
 
 NumberTables = Mapping[str, Sequence[str] | Mapping[str, str]]
 """By name: words from 1 in a row, or rules that put them together."""
 
 
-class Interjection(NamedTuple):
-    """The labels of an interjection, and its spelling for a voice."""
-
-    labels: tuple[str, ...]
-    say: str = ""
-
-
 class OwnWord(NamedTuple):
-    """A word of a pack: its labels, and a spelling to read in its place; one may be empty."""
+    """A word or interjection of a pack: labels, and a spelling for a voice; one may be empty."""
 
     labels: tuple[str, ...]
     say: str = ""
@@ -33,7 +26,7 @@ class SpokenForms:
     `counted` if it is a cardinal number, and `named` if it is an ordinal one.
     """
 
-    interjections: Mapping[str, Interjection] = field(default_factory=dict)
+    interjections: Mapping[str, OwnWord] = field(default_factory=dict)
     abbreviations: Mapping[str, str] = field(default_factory=dict)
     words: Mapping[str, OwnWord] = field(default_factory=dict)
     beginnings: Mapping[str, str] = field(default_factory=dict)
@@ -48,26 +41,19 @@ class SpokenForms:
     doubled: tuple[str, ...] = ()
     hyphenated: tuple[str, ...] = ()
     vowels: str = ""
-    censored: tuple[str, ...] = ()
+    censored: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    particles: tuple[str, ...] = ()
     thousands: str = ""
     decimal: str = ""
 
     @classmethod
     def from_plain(cls, data: Mapping[str, Any]) -> Self:
         """Rebuild forms from `dataclasses.asdict`, perhaps by way of JSON."""
-        known = {
-            spelling: Interjection(tuple(labels), say)
-            for spelling, (labels, say) in data["interjections"].items()
+        names = [one.name for one in fields(cls) if one.default == ()]
+        tables = {
+            table: {
+                word: OwnWord(tuple(labels), say) for word, (labels, say) in data[table].items()
+            }
+            for table in ("interjections", "words")
         }
-        words = {w: OwnWord(tuple(labels), say) for w, (labels, say) in data["words"].items()}
-        tables = {"interjections": known, "words": words}
-        lists = (
-            "counted",
-            "named",
-            "ordinals",
-            "numeral_words",
-            "doubled",
-            "hyphenated",
-            "censored",
-        )
-        return cls(**{**data, **tables} | {name: tuple(data[name]) for name in lists})
+        return cls(**{**data, **tables} | {name: tuple(data[name]) for name in names})

@@ -36,7 +36,7 @@ from lipsync_lang.text.phonology.g2p.drawn_out import (
 from lipsync_lang.text.phonology.g2p.g2p_engines import SpokenWord, merged
 from lipsync_lang.text.phonology.g2p.own_words import OwnWords
 from lipsync_lang.text.phonology.g2p.rare_letters import RareLetters
-from lipsync_lang.text.phonology.g2p.spoken_forms import Interjection, SpokenForms
+from lipsync_lang.text.phonology.g2p.spoken_forms import OwnWord, SpokenForms
 from lipsync_lang.text.phonology.g2p.tokens import PAUSES, TextPiece, pieces, plain
 
 _LEAD = frozenset((*PAUSES, *" \t\r\n\u00a0\u202f\u3000-·"))
@@ -395,7 +395,7 @@ class _Pattern(NamedTuple):
     whole: re.Pattern[str]
     part: re.Pattern[str] | None
     runs: tuple[int, ...]
-    interjection: Interjection
+    interjection: OwnWord
 
 
 class Interjections:
@@ -405,9 +405,9 @@ class Interjections:
     `vowels` are letters.
     """
 
-    def __init__(self, known: Mapping[str, Interjection], is_vowel: IsVowel, vowels: str) -> None:
+    def __init__(self, known: Mapping[str, OwnWord], is_vowel: IsVowel, vowels: str) -> None:
         self._is_vowel, self._vowels = is_vowel, vowels
-        self._known: dict[str, list[tuple[str, Interjection]]] = {}
+        self._known: dict[str, list[tuple[str, OwnWord]]] = {}
         self._starts: set[str] = set()
         # The longest first: `hmm` is no `hm` drawn out.
         for spelling, interjection in sorted(known.items(), key=lambda item: -len(item[0])):
@@ -438,10 +438,7 @@ class Interjections:
                 found = pattern.whole.fullmatch(spelling)
                 if not found:
                     continue
-                drawn = [
-                    len(group) - run
-                    for group, run in zip(found.groups(), pattern.runs, strict=True)
-                ]
+                drawn = [len(one) - n for one, n in zip(found.groups(), pattern.runs, strict=True)]
                 if token.isupper() and len(token) > 1 and not (shouted or any(drawn)):
                     continue
                 return self._said(token, spelling, pattern, drawn)
@@ -451,16 +448,15 @@ class Interjections:
         labels, say = pattern.interjection
         said = SpokenWord(token, labels, say or re.sub(r"(.)\1{2,}", r"\1", spelling))
         if pattern.part is not None:
-            return said._replace(
-                labels=labels[: len(labels) // 2] * len(pattern.part.findall(spelling))
-            )
+            count = len(pattern.part.findall(spelling))
+            return said._replace(labels=labels[: len(labels) // 2] * count)
         runs = tuple((place, more) for place, more in enumerate(drawn) if more)
         word = "".join(letter for letter, _ in groupby(spelling))
         return lengthened(said, ElongatedWord(word, runs), self._is_vowel, self._vowels)
 
 
 @cache  # few texts need them
-def _pattern(spelling: str, interjection: Interjection) -> _Pattern:
+def _pattern(spelling: str, interjection: OwnWord) -> _Pattern:
     half = spelling[: len(spelling) // 2]
     syllable = name(half[:1] or spelling, "").startswith(SYLLABIC)
     if half * 2 == spelling and (len(set(half)) > 1 or syllable):
