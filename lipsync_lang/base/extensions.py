@@ -277,7 +277,8 @@ class Formats(Extensions[F]):
 
 def _ending(path: Path, formats: Mapping[str, F]) -> list[F]:
     name = path.name.lower()
-    found = [(s, one) for one in formats.values() for s in one.suffixes if name.endswith(s)]
+    fitting = (one for one in formats.values() if name.endswith(one.suffixes))
+    found = [(s, one) for one in fitting for s in one.suffixes if name.endswith(s)]
     return [one for _, one in sorted(found, key=lambda pair: -len(pair[0]))]
 
 

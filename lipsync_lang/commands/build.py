@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from lipsync_lang.production.builds.build_run import BuildOutcome
     from lipsync_lang.production.builds.planning import BuildPlan
     from lipsync_lang.production.builds.project_build import ProjectBuild
-    from lipsync_lang.production.builds.unchanged import BuildLog
 
 
 WAKE_MILLISECONDS = 500
@@ -48,26 +47,22 @@ class StandingRemarks:
 
     def __init__(self) -> None:
         self._before: dict[str | Fault, None] = {}
-        self._now: dict[str | Fault, None] = {}
+        self.now: dict[str | Fault, None] = {}
 
     def begin(self) -> None:
         """Begin another build."""
-        self._before, self._now = self._now, {}
+        self._before, self.now = self.now, {}
 
     def __call__(self, text: "str | Fault") -> None:
         """Print a remark, unless the build before printed it."""
-        if text not in self._before | self._now:
+        if text not in self._before | self.now:
             print(text, file=sys.stderr)
-        self._now[text] = None
+        self.now[text] = None
 
     @property
     def changed(self) -> bool:
         """True if this build has other remarks than the one before."""
-        return self._now != self._before
-
-    def told(self) -> list[str]:
-        """Return the remarks of this build."""
-        return list(map(str, self._now))
+        return self.now != self._before
 
 
 class MadeByBuilds:
@@ -211,12 +206,12 @@ def build(options: Namespace) -> int:
     if options.watch:
         return watch_project(options, partial(_once, options))
     from lipsync_lang.packs.project import find_project
-    from lipsync_lang.production.builds.unchanged import BuildLog, answer
+    from lipsync_lang.production.builds.unchanged import answer
 
     file, part = find_project(), options.shard.replace("/", "-of-") if options.shard else ""
     said = None if file is None else answer(file.absolute().parent, part, options)
     if said is None:
-        return _once(options, StandingRemarks(), MadeByBuilds(), BuildLog())
+        return _once(options, StandingRemarks(), MadeByBuilds())
     for remark in said["remarks"]:
         print(remark, file=sys.stderr)
     if options.json:
@@ -226,12 +221,10 @@ def build(options: Namespace) -> int:
     return SOUND if said["passed"] else FAULTS
 
 
-def _once(
-    options: Namespace,
-    remarks: StandingRemarks,
-    made: MadeByBuilds,
-    log: "BuildLog | None" = None,
-) -> int:
+def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> int:
+    from lipsync_lang.production.builds.unchanged import BuildLog
+
+    log = BuildLog()
     from lipsync_lang.production.builds.build_run import locked, make
     from lipsync_lang.production.builds.faces import write_faces
     from lipsync_lang.production.builds.keeping import prune
@@ -263,8 +256,7 @@ def _once(
     with lock, Records.open(project.folder, write=not options.dry_run, part=part) as records:
         teller.begin(f"comparing {len(project.lines):,} lines with the last build")
         plan = project.plan(records, force=options.force, overwrite=options.overwrite)
-        if log is not None:
-            log.listens = not plan.stale
+        log.listens = not plan.stale
         if options.dry_run:
             return _listed(plan, project, as_events=options.json)
         if project.settings.face_once:
@@ -277,8 +269,9 @@ def _once(
         wipe()
         figures, over, passed = _report(options, project, outcome, reports, deleted)
         words = [] if options.json else [*_in_words(figures, over)]
-    if log is not None and not (plan.stale or deleted or project.unsound):
-        said = {"figures": figures, "words": words, "passed": passed, "remarks": remarks.told()}
+    if not (plan.stale or deleted or project.unsound):
+        told = list(map(str, remarks.now))
+        said = {"figures": figures, "words": words, "passed": passed, "remarks": told}
         files = plan.stamps(project.folder)
         log.keep(project.folder, part, options, said=said, outputs=files, reports=reports)
     if options.json:

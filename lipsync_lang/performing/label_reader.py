@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 from weakref import WeakKeyDictionary
@@ -271,6 +271,20 @@ class LabelReader:
             )
         return self.notations[name]
 
+    def rivals(self, notation: Notation, label: str) -> tuple[set[str], set[str]]:
+        """Return the other notations that spell a label, and those in which it is another sound."""
+        if (id(notation), label) not in self._rivals:
+            stated, others = notation.stated(label), self.own_notations.items()
+            spelling = {name for name, one in others if one is not notation and one.spells(label)}
+            differing = {name for name, one in others if one.stated(label) != stated}
+            self._rivals[id(notation), label] = spelling, differing
+        return self._rivals[id(notation), label]
+
+    @cached_property
+    def _rivals(self) -> dict[tuple[int, str], tuple[set[str], set[str]]]:
+        """What `rivals` has found, by the identity of the notation."""
+        return {}
+
     @cached_property
     def _stressed(self) -> list[tuple[LabelSounds | None, Ints]]:
         """The line whose stresses were read last: the dial and the gestures both ask for them."""
@@ -458,19 +472,14 @@ def _notation(reader: LabelReader, schedule: Schedule) -> Iterator[str]:
     """Yield a remark on a notation that was recognised by its labels, unless it is certain."""
     if schedule.notation is not None:
         return
-    known = reader.own_notations
-    chosen = reader.notation(schedule)
+    known, chosen = reader.own_notations, reader.notation(schedule)
     name = next(n for n, one in known.items() if one is chosen)
     labels = {one for one in schedule.labels if one != SILENCE and not chosen.is_silence(one)}
     stated = {one for one in labels if chosen.stated(one) is not None}
-    alike = [
-        other
-        for other, one in known.items()
-        if one is not chosen
-        and stated
-        and all(map(one.spells, stated))
-        and any(one.stated(label) != chosen.stated(label) for label in stated)
-    ]
+    rivals = [reader.rivals(chosen, label) for label in stated]
+    spelled = set(known).intersection(*(one for one, _ in rivals)) if stated else set()
+    other = spelled.intersection(chain.from_iterable(differing for _, differing in rivals))
+    alike = [one for one in known if one in other]
     share = len(stated) / len(labels) if labels else 1.0
     if share >= SURE_SHARE and not alike:
         return

@@ -185,12 +185,13 @@ def guessed_rate(
 def _named(source: TimingFile, rows: Iterable[LabelRow]) -> Iterator[LabelRow]:
     """Yield rows with one label of silence; a pause without length is left out."""
     for row in rows:
-        check_span(source, row)
+        if row.start < 0 or row.end < row.start:
+            check_span(source, row)
         label = row.label.strip() or SILENCE
         if label.casefold() in source.silences:
             label = SILENCE
         if row.end - row.start >= SNAP_SECONDS or not is_pause(label):
-            yield row._replace(label=label)
+            yield row if label == row.label else row._replace(label=label)
 
 
 def is_pause(label: str) -> bool:
@@ -254,8 +255,12 @@ def _without_gaps(
 
 def _shared(rows: Iterable[LabelRow]) -> Iterator[LabelRow]:
     """Yield rows; those without length have equal shares of the time of a neighbour."""
+    given = list(rows)
+    if all(row.end - row.start >= SNAP_SECONDS for row in given):
+        yield from given
+        return
     ahead: list[list[LabelRow]] = []  # sounds without length, and the one after them
-    for row in rows:
+    for row in given:
         waiting = ahead and _one_time(ahead[-1][0].start, ahead[-1][-1].end, row.start)
         ahead += [[*ahead.pop(), row] if waiting else [row]]
     # the last sounds have none after them, and share the time of the one before

@@ -7,6 +7,7 @@ phonemes within each word depend on the language: `speech.filling` adds them.
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from operator import attrgetter
 from statistics import median
 from unicodedata import category
@@ -80,14 +81,20 @@ class TimedWords:
 
 def are_words(labels: Iterable[str]) -> bool:
     """Return True if labels are too long for phones, or in a script that has words alone."""
-    counts: list[int] = []
-    for label in map(str.strip, labels):
-        if label and not SILENT_WORD.fullmatch(label):
-            # Signs of length, breath and tone are no letters.
-            letters = [c for c in label if c.isalpha() and category(c) != "Lm"]
-            is_word = any(first <= c <= last for c in letters for first, last in WORD_SCRIPTS)
-            counts.append(MAX_PHONE_LETTERS + 1 if is_word else len(letters))
+    counts = [found for found in map(_letters, labels) if found is not None]
     return bool(counts) and median(counts) > MAX_PHONE_LETTERS
+
+
+@lru_cache(maxsize=4096)  # lines share their phones
+def _letters(label: str) -> int | None:
+    """Return the letters of a label, many for a word without letters of phones; None for noise."""
+    label = label.strip()
+    if not label or SILENT_WORD.fullmatch(label):
+        return None
+    # Signs of length, breath and tone are no letters.
+    letters = [c for c in label if c.isalpha() and category(c) != "Lm"]
+    is_word = any(first <= c <= last for c in letters for first, last in WORD_SCRIPTS)
+    return MAX_PHONE_LETTERS + 1 if is_word else len(letters)
 
 
 def words_without_phonemes(schedule: Schedule) -> list[int]:

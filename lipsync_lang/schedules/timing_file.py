@@ -211,7 +211,7 @@ class TimingFile:
             number = float(text or "")
         except ValueError:
             return self.number(text, line)
-        return self.number(number, line)
+        return number if abs(number) < MAX_TIME else self.number(number, line)
 
     def objects(self, whole: object, name: str, form: str, line: int | None = None) -> list[Json]:
         """Return the list of objects in a field, empty without it; `form` is for errors."""

@@ -24,11 +24,14 @@ def sniff(source: TimingFile) -> bool:
         else [*filter(str.strip, source.head.split("\n"))]
     )
     # Of a longer file the last line of the head is cut, and fits nothing.
-    found = [ALLOSAURUS_ROW.fullmatch(line) for line in lines if line.strip()]
-    rows = [(float(one[1]), one[2]) for one in found if one]
-    same = len(rows) == len(found) > 0 and len({length for _, length in rows}) == 1
+    found = None
+    for line in filter(str.strip, lines):
+        length = found and found[2]
+        found = ALLOSAURUS_ROW.fullmatch(line)
+        if found is None or length not in (None, found[2]):
+            return False
     # A second number that is an end is later than all starts, so it is no length.
-    return same and rows[-1][0] >= float(rows[-1][1])
+    return found is not None and float(found[1]) >= float(found[2])
 
 
 @reader("allosaurus", ".txt", sniff=sniff)

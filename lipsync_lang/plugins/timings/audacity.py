@@ -30,9 +30,11 @@ def read_audacity(source: TimingFile) -> Timings:
     rows = []
     form = "a label; write START, END and TEXT, separated by tabs"
     for number, found in source.matches(LABEL, form, comments="\\"):
+        start, end, label = found.groups("")
         # Audacity writes the decimal sign of the user's country.
-        start, end = (source.time(found[at].replace(",", "."), number) for at in (1, 2))
-        rows.append(LabelRow(found[3] or "", start, end, number))
+        begin = source.time(start.replace(",", "."), number)
+        stop = source.time(end.replace(",", "."), number)
+        rows.append(LabelRow(label, begin, stop, number))
     if are_words(row.label for row in rows):
         return timed_words_of(source, rows, guess=True)
     return schedule_of(source, rows, guess=True)

@@ -72,25 +72,12 @@ class OutputKeeper:
                     self._moves.append((file.temporary, self.folder / file.path))
                 else:
                     self._members.setdefault(split[0], {})[split[1]] = Path(file.temporary)
-            row = LineRecord(
-                step.inputs,
-                as_json(one.contents),
-                self.records.packed(one.needs),
-                outputs,
-                one.built.verdict,
-                one.built.confidence,
-                *packed_figures(one.built.figures),
-                as_json(
-                    (
-                        one.built.outcome,
-                        one.built.message,
-                        one.built.seconds,
-                        [(figure.at, figure.words) for figure in one.built.figures],
-                        one.built.left_out,
-                    )
-                ),
-            )
-            self._rows.append((one.built.line.key, row))
+            built = one.built
+            notes = [(figure.at, figure.words) for figure in built.figures]
+            result = as_json((built.outcome, built.message, built.seconds, notes, built.left_out))
+            known = step.inputs, as_json(one.contents), self.records.packed(one.needs), outputs
+            judged = built.verdict, built.confidence, *packed_figures(built.figures)
+            self._rows.append((built.line.key, LineRecord(*known, *judged, result)))
         if not self._members or len(self._rows) >= MAX_WAITING_LINES:
             self.flush()
         return kept

@@ -57,9 +57,10 @@ def use_script_formats(formats: TimingFormats) -> None:
     """Let scripts be read in these formats, and no longer in those of an earlier project."""
     if not formats and not _script_names:
         return
-    from lipsync_lang.text.lines.json_scripts import JSON_SCRIPTS, JsonScript, add_json_script
+    from lipsync_lang.text.lines.json_scripts import JSON_SCRIPTS
     from lipsync_lang.text.lines.line_readers import LINE_READERS, by_suffix
-    from lipsync_lang.text.lines.xml_scripts import XML_SCRIPTS, XmlScript, add_xml_script
+    from lipsync_lang.text.lines.script_formats import add_script
+    from lipsync_lang.text.lines.xml_scripts import XML_SCRIPTS
 
     for name in _script_names:
         JSON_SCRIPTS.pop(name, None)
@@ -67,12 +68,10 @@ def use_script_formats(formats: TimingFormats) -> None:
     LINE_READERS.drop(FILE)
     _script_names[:] = formats
     for name, fields in formats.items():
-        facts = {"title": f"Scripts of {name}.", **fields, "suffixes": (fields["suffix"],)}
+        facts = {"title": f"Scripts of {name}.", **fields, "suffixes": [fields["suffix"]]}
+        facts |= {} if "entries" in facts else {"anywhere": True}
         del facts["suffix"]
-        if "entries" in facts:
-            add_xml_script(XmlScript(name, **facts), FILE)
-        else:
-            add_json_script(JsonScript(name, **facts, anywhere=True), FILE)
+        add_script(name, facts, FILE)
     by_suffix.cache_clear()
 
 

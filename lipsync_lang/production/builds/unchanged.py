@@ -36,9 +36,6 @@ TICK_NANOSECONDS = 2_000_000_000
 LAST_LINE = b"end"
 """First word of the last line, whose second is a digest of all others."""
 
-UNSTABLE = ("/proc/", "/sys/", "/dev/")
-"""Folders of a system whose files have no content of their own."""
-
 READERS = "lipsync_lang.packs.library"
 """Module that a process loads before it reads packs; caches hide what is read after that."""
 
@@ -67,10 +64,6 @@ def answer(project: Path, part: str, options: Namespace) -> BuildAnswer | None:
     return None
 
 
-class _ChangedError(Exception):
-    """A file changed too late to be trusted."""
-
-
 class BuildLog:
     """Files that a process reads from the start of a build, and folders that it lists."""
 
@@ -97,10 +90,7 @@ class BuildLog:
     ) -> None:
         """Write the index, unless something may have changed during the build.
 
-        Parameters
-        ----------
-        outputs : path, and size and time as the record states them
-        reports : the reports that the build has written
+        `outputs` are paths, each with its size and time as the record states them.
         """
         self.listens, own = False, project / FOLDER / part
         if not self.whole:
@@ -117,7 +107,7 @@ class BuildLog:
         )
         head = {"key": _key(options), "said": said}
         whole = blake2b()
-        with suppress(_ChangedError, OutputError), atomic(own / INDEX) as stream:
+        with suppress(OutputError), atomic(own / INDEX) as stream:
             for line in chain([json.dumps(head).encode()], map(_line, states)):
                 whole.update(line + b"\n")
                 stream.write(line + b"\n")
@@ -141,7 +131,7 @@ class BuildLog:
         if isinstance(path, int) or (event == "open" and given[2] & (os.O_WRONLY | os.O_RDWR)):
             return
         place = os.path.abspath(os.fsdecode(path))  # noqa: PTH100 thousands of files
-        if place.startswith(UNSTABLE) or place.endswith(FOLDER):
+        if place.endswith(FOLDER):
             return
         if event == "open":
             self.files[place] = None
@@ -168,7 +158,7 @@ def _line(found: tuple[bytes, str]) -> bytes:
     """Return a line of the index; raise an error for a file that changed too late."""
     state, path = found
     if not state or "\n" in path:
-        raise _ChangedError
+        raise OutputError("a file changed too late to be trusted")
     return b"%s\t%s" % (state, os.fsencode(path))
 
 

@@ -5,18 +5,22 @@ there are `entries`.
 """
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from lipsync_lang.text.lines.json_scripts import JsonScript, add_json_script
 from lipsync_lang.text.lines.xml_scripts import XmlScript, add_xml_script
 
-_stated: dict[str, dict[str, Any]]
-_stated = json.loads(Path(__file__).with_suffix(".json").read_text("utf-8"))
-for name, row in _stated.items():
-    lists = {one: tuple(value) for one, value in row.items() if isinstance(value, list)}
-    fields = row | lists
+
+def add_script(name: str, row: Mapping[str, Any], module: str) -> None:
+    """Register a format of scripts in XML or JSON."""
+    fields = {**row} | {one: tuple(value) for one, value in row.items() if isinstance(value, list)}
     if "entries" in fields:
-        add_xml_script(XmlScript(name, **fields), __name__)
+        add_xml_script(XmlScript(name, **fields), module)
     else:
-        add_json_script(JsonScript(name, **fields), __name__)
+        add_json_script(JsonScript(name, **fields), module)
+
+
+for _name, _row in json.loads(Path(__file__).with_suffix(".json").read_text("utf-8")).items():
+    add_script(_name, _row, __name__)

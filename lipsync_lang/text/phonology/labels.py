@@ -254,7 +254,14 @@ def recognise(labels: Iterable[str], notations: Mapping[str, Notation]) -> str:
         stated = sum(n for label, n in sounds if notation.stated(label) is not None)
         return stated, sum(n for label, n in sounds if notation.find(label) is not None)
 
-    return max(notations, key=known)
+    every = notations.values()
+    most = sum(n for label, n in spoken.items() if not all(one.is_silence(label) for one in every))
+    found: dict[str, tuple[int, int]] = {}
+    for name in notations:
+        found[name] = known(name)
+        if found[name] == (most, most):  # none after it knows more
+            return name
+    return max(found, key=found.__getitem__)
 
 
 def ready(  # noqa: PLR0913, PLR0917 the tables of a language
