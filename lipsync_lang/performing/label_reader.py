@@ -282,7 +282,7 @@ class LabelReader:
 
     @cached_property
     def _rivals(self) -> dict[tuple[int, str], tuple[set[str], set[str]]]:
-        """What `rivals` has found, by the identity of the notation."""
+        """Results of `rivals`, by the identity of the notation."""
         return {}
 
     @cached_property
