@@ -51,6 +51,8 @@ def test_the_face_keeps_time_with_the_sound(played):
     assert played["soundStart"] == pytest.approx(-animation.times[0], abs=1e-6)
     assert len(played["frames"]) > 1
     for frame in played["frames"]:
+        assert frame["parts"] > 1  # the mesh has several primitives
+        assert not frame["apart"]
         shown = frame["at"] - played["soundStart"]
         held(animation, shown, frame["weights"])
         before = max(frame["heard"], animation.times[0])

@@ -4,7 +4,8 @@
 //
 // FOLDER holds the files of the page, and is served with NODE_MODULES beside them. Printed is JSON:
 // `soundStart`, and `frames`, of each frame the seconds of the sound that are `heard`, the time of the
-// clip (`at`), and the `weights` by shape; and `weighed`, what weights.js says of hello.json at TIMES.
+// clip (`at`), and the `weights` by shape, how many `parts` of meshes have shapes, and shapes whose parts
+// are `apart`; and `weighed`, what weights.js says of hello.json at TIMES.
 import { readFileSync } from "node:fs";
 import { join, normalize } from "node:path";
 import { WEBGL, launch, serve } from "./browsing.mjs";
@@ -38,11 +39,16 @@ try {
       const heard = audio.currentTime - (audio.outputLatency || 0) - window.soundAt;
       setTime(at);
       if (window.soundAt === undefined || audio.state !== "running") return;
-      const weights = {};
-      face.scene.traverse((one) => Object.entries(one.morphTargetDictionary ?? {}).forEach(
-        ([name, index]) => { weights[name] = one.morphTargetInfluences[index]; },
-      ));
-      window.frames_.push({ heard, at, weights });
+      const weights = {}, apart = new Set();
+      let parts = 0;
+      face.scene.traverse((one) => {
+        parts += Boolean(one.morphTargetDictionary);
+        for (const [name, index] of Object.entries(one.morphTargetDictionary ?? {})) {
+          const weight = one.morphTargetInfluences[index];
+          if (weight !== (weights[name] ??= weight)) apart.add(name);
+        }
+      });
+      window.frames_.push({ heard, at, weights, parts, apart: [...apart] });
     };
   });
   await page.mouse.click(100, 100);
