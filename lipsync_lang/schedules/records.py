@@ -5,10 +5,11 @@ stands for all its objects, with ``[0]`` for its first alone. Without a path, th
 are the records. Several paths have a bar between them, and the first that leads to records counts.
 A field of a record may be a path, or several, too.
 
-A format that differs from others by path and names alone is a `RecordFormat`: a row of
+A format that differs from others by path and names alone is a `RecordFormat`: an entry of
 `readers/record_formats.json`, or of a project.
 """
 
+import json
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -155,12 +156,14 @@ class RecordFormat:
 
 
 def record_format(name: str, row: Mapping[str, Any]) -> RecordFormat:
-    """Make a format of the fields that a project states, which may leave the title out."""
+    """Make a format of the fields that are stated; a project may leave the title out."""
     facts = {"title": f"Timings of {name}.", **row}
+    if "form" in facts:
+        facts["form"] = json.dumps(facts["form"], ensure_ascii=False)
     for kind in ("phonemes", "words"):
         if facts.get(kind) is not None:
             facts[kind] = RecordList(**facts[kind])
-    return RecordFormat(name, **facts | {"mentions": tuple(facts.get("mentions") or ())})
+    return RecordFormat(name, **facts)
 
 
 def records_at(  # noqa: PLR0913 a path and its place

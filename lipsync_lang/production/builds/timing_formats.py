@@ -68,10 +68,9 @@ def use_script_formats(formats: TimingFormats) -> None:
     LINE_READERS.drop(FILE)
     _script_names[:] = formats
     for name, fields in formats.items():
-        facts = {"title": f"Scripts of {name}.", **fields, "suffixes": [fields["suffix"]]}
-        facts |= {} if "entries" in facts else {"anywhere": True}
+        facts = {"title": f"Scripts of {name}.", **fields, "suffixes": (fields["suffix"],)}
         del facts["suffix"]
-        add_script(name, facts, FILE)
+        add_script(name, facts if "entries" in facts else {**facts, "anywhere": True}, FILE)
     by_suffix.cache_clear()
 
 

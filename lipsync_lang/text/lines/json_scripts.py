@@ -1,8 +1,8 @@
 """Scripts in JSON: trees of texts, and files for translation that differ in names of fields alone.
 
-A `JsonScript` states as data where entries are and what their fields are called: a row of
-`script_formats`, or of a project. An entry is an object that has a text, wherever it stands; in a
-tree, each text is one. The keys on the way to it name it, with dots between them, unless a field
+A `JsonScript` states as data where entries are and what their fields are called, in
+`script_formats.json` or in a project. An entry is an object that has a text, wherever it stands; in
+a tree, each text is one. The keys on the way to it name it, with dots between them, unless a field
 does. Objects whose keys are languages lead to the language that is read.
 """
 

@@ -1,9 +1,9 @@
 """Scripts in XML: files for translation that differ in names of elements and attributes alone.
 
-An `XmlScript` states as data which elements are entries, and where their fields are: a row of
-`script_formats`, or of a project. A path such as ``notes/note`` leads from an entry to elements,
-and ``@id`` to an attribute at its end. Elements within a text are markup, and each part of an entry
-is a line.
+An `XmlScript` states as data which elements are entries, and where their fields are, in
+`script_formats.json` or in a project. A path such as ``notes/note`` leads from an entry to
+elements, and ``@id`` to an attribute at its end. Elements within a text are markup, and each part
+of an entry is a line.
 
 The parser is the standard one: it gives the line of each element, and its handlers refuse
 definitions of entities before any is expanded. Files of others are never opened.
