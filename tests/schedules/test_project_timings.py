@@ -10,7 +10,7 @@ from lipsync_lang.production.builds.making import LineBatch, LineMaker
 from lipsync_lang.production.builds.needs import BuildSettings
 from lipsync_lang.production.builds.timing_formats import (
     open_project,
-    timing_formats,
+    plain_formats,
     use_timing_formats,
 )
 from lipsync_lang.schedules.timing_readers import TIMING_READERS, read_timings
@@ -152,7 +152,7 @@ def test_a_later_project_has_no_formats_of_an_earlier_one(read):
 
 def test_workers_know_the_formats_of_the_project(tmp_path):
     (tmp_path / "lipsync.yaml").write_text(PROJECT)
-    stated = timing_formats(open_project(tmp_path / "lipsync.yaml").model)
+    stated = plain_formats(open_project(tmp_path / "lipsync.yaml").model.timing_formats)
     use_timing_formats({})
     maker = LineMaker(tmp_path, BuildSettings(60, {}, timing_formats=stated))
     assert "our-service" not in TIMING_READERS

@@ -267,7 +267,7 @@ def mouth_gains(channels: Sequence[Channel], model: Model) -> Floats | None:
 def _matches(library: Library, poseset: models.PoseSet, model: Model) -> Iterator[Match]:
     """Yield non-empty matches: the pose set alone, and each of its valid rigs."""
     poses, every = (*poseset.poses,), poseset.having(poseset.optional_poses)
-    found = find(bare((*every.poses,), pose_names(every)), model)
+    found = _played(bare((*every.poses,), pose_names(every)), model)
     if found.places:
         optional = tuple(name for name in poseset.optional_poses if name in found.places)
         lost = tuple(Loss(pose, 0, None, "") for pose in poses if pose not in found.places)
@@ -286,7 +286,7 @@ def _matches(library: Library, poseset: models.PoseSet, model: Model) -> Iterato
             continue
         plain = {"channels": plain_channels(rig.model, to)}
         channels = Driver.from_plain(plain, poses, np.zeros(len(poses))).channels
-        found = find(channels, model)
+        found = _played(channels, model)
         if found.places:
             held = {n: one for n, one in channels_of(rig.model).items() if n in found.places}
             for name, one in held.items():
@@ -298,6 +298,15 @@ def _matches(library: Library, poseset: models.PoseSet, model: Model) -> Iterato
             left, lost = _left(model, found), losses(library, kept)
             opens = _opens(model, found)
             yield Match(poseset.name, rig.model.name, poses, found, missing, left, lost, opens)
+
+
+def _played(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
+    """Find channels; on an avatar whose expressions open its mouth, those that players move."""
+    found, gaps = find(channels, model), apertures(model)
+    if any(gaps.get(shape, 0) > 0 for mesh in model.meshes for _, shape, _ in mesh.binds):
+        own = {name: shapes for name, shapes in found.places.items() if name in found.bound}
+        return replace(found, places=own)
+    return found
 
 
 def _opens(model: Model, found: ChannelPlaces) -> bool:

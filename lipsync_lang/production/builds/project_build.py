@@ -50,7 +50,7 @@ from lipsync_lang.production.builds.timing_formats import (
     check_timing_formats,
     formats_for,
     open_project,
-    timing_formats,
+    plain_formats,
 )
 from lipsync_lang.resolver.cache import compiler, folder
 from lipsync_lang.resolver.language_tables import manner_of
@@ -224,7 +224,7 @@ class ProjectBuild:
         once = project.glb.face == "once"
         settings = BuildSettings(
             fps, dict(project.limits), tts, project.gestures, project.idle or 0.0,
-            project.offset or 0.0, once, timing_formats(project), stated_fps,
+            project.offset or 0.0, once, plain_formats(project.timing_formats), stated_fps,
         )  # fmt: skip
         made = cls(project, folder, lines, settings, {}, {}, chosen)
         made.resolve((*places, folder))

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.models import Project
+from lipsync_lang.packs.models.fields import Strict
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.project import FILE, load_project
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults
@@ -31,16 +32,14 @@ def open_project(path: Path) -> Pack[Project]:
     pack = load_project(path)
     if faults := [*check_timing_formats(pack)]:
         raise PackFaults(faults)
-    use_timing_formats(timing_formats(pack.model))
-    stated = pack.model.script_formats.items()
-    use_script_formats({name: one.model_dump(exclude_none=True) for name, one in stated})
+    use_timing_formats(plain_formats(pack.model.timing_formats))
+    use_script_formats(plain_formats(pack.model.script_formats))
     return pack
 
 
-def timing_formats(project: Project) -> TimingFormats:
+def plain_formats(stated: Mapping[str, Strict]) -> TimingFormats:
     """Return the formats of a project as plain data, which workers receive."""
-    stated = project.timing_formats.items()
-    return {name: one.model_dump(exclude_none=True) for name, one in stated}
+    return {name: one.model_dump(exclude_none=True) for name, one in stated.items()}
 
 
 def use_timing_formats(formats: TimingFormats) -> None:

@@ -6,7 +6,7 @@ a tree, each text is one. The keys on the way to it name it, with dots between t
 does. Objects whose keys are languages lead to the language that is read.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from lipsync_lang.base.errors import ScheduleError
@@ -34,7 +34,7 @@ class JsonScript:
 
     name: str
     title: str
-    suffixes: tuple[str, ...] = (JSON_SUFFIX,)
+    suffixes: Sequence[str] = (JSON_SUFFIX,)
     text: str = ""
     """Path of the text in an entry; empty for trees, where every text is an entry."""
     original: str = ""
@@ -45,13 +45,13 @@ class JsonScript:
     speaker: str = ""
     note: str = ""
     state: str = ""
-    unready: tuple[str, ...] = ()
+    unready: Sequence[str] = ()
     """States of an entry that is not translated."""
     languages: str | None = None
     """Name of the objects whose keys are languages; empty for the outermost, None without."""
     native: str = ""
     """Field of the file with the language whose texts are the keys themselves."""
-    unnamed: tuple[str, ...] = ()
+    unnamed: Sequence[str] = ()
     """Keys that are no part of an identifier."""
     skipped: str = ""
     """First character of keys that are no texts."""
@@ -80,7 +80,7 @@ class JsonScript:
 
     def reader(self) -> LineReader:
         """Return the reader of the format."""
-        return LineReader(self.name, self.suffixes, self.title, self.read)
+        return LineReader(self.name, (*self.suffixes,), self.title, self.read)
 
     def read(self, source: LineFile) -> Iterator[Line]:
         """Yield the lines of a file, in the format that its content tells for plain `.json`."""
@@ -158,7 +158,7 @@ class _Search:
         for key, inner in value.items():
             if not script.skipped or not key.startswith(script.skipped):
                 yield from self.found(inner, (*keys, key), within)
-        if script.native and keys[:-1] == script.unnamed[:1]:
+        if script.native and keys[:-1] == (*script.unnamed[:1],):
             yield from self.of_key(value, keys)
 
     def of_language(self, value: Json, keys: tuple[str, ...], within: str) -> Iterator[ScriptEntry]:

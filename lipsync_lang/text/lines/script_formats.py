@@ -9,16 +9,13 @@ from lipsync_lang.text.lines.json_scripts import JsonScript, add_json_script
 from lipsync_lang.text.lines.xml_scripts import XmlScript, add_xml_script
 
 
-def add_script(name: str, stated: Mapping[str, Any], module: str) -> None:
+def add_script(name: str, fields: Mapping[str, Any], module: str) -> None:
     """Register a format of scripts by its fields: in XML if it states `entries`, else in JSON."""
-    fields: dict[str, Any] = {
-        key: tuple(one) if isinstance(one, list) else one for key, one in stated.items()
-    }
     if "entries" in fields:
         add_xml_script(XmlScript(name, **fields), module)
     else:
         add_json_script(JsonScript(name, **fields), module)
 
 
-for _name, _stated in json.loads(Path(__file__).with_suffix(".json").read_text("utf-8")).items():
-    add_script(_name, _stated, __name__)
+for _name, _fields in json.loads(Path(__file__).with_suffix(".json").read_text("utf-8")).items():
+    add_script(_name, _fields, __name__)

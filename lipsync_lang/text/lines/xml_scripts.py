@@ -19,7 +19,7 @@ from lipsync_lang.base.errors import LipsyncError, ScheduleError
 from lipsync_lang.text.lines.columns import language_column
 from lipsync_lang.text.lines.entries import MAX_ENTRY_DEPTH, ScriptEntry, entry_lines, whole_file
 from lipsync_lang.text.lines.line_readers import LINE_READERS, Line, LineFile, LineReader
-from lipsync_lang.text.lines.properties import PROPERTY_ESCAPE, unescaped
+from lipsync_lang.text.lines.plain import PROPERTY_ESCAPE, unescaped
 
 MAX_XML_DEPTH = 2 * MAX_ENTRY_DEPTH
 """Maximum depth of elements; those within a text count, too."""
@@ -37,7 +37,7 @@ class XmlScript:
 
     name: str
     title: str
-    suffixes: tuple[str, ...]
+    suffixes: Sequence[str]
     entries: str
     """Names of the elements that are entries."""
     id: str
@@ -48,13 +48,13 @@ class XmlScript:
     speaker: str = ""
     note: str = ""
     state: str = ""
-    unready: tuple[str, ...] = ()
+    unready: Sequence[str] = ()
     """States of an entry that is not translated."""
     each: str = "."
     """Path from an entry to its parts, such as segments; each has a text."""
     form: str = ""
     """Attribute of a part with the name of its form, such as a plural; numbers by default."""
-    without: tuple[str, ...] = ()
+    without: Sequence[str] = ()
     """Attributes of an element that is no entry."""
     source_language: str = ""
     target_language: str = ""
@@ -64,7 +64,7 @@ class XmlScript:
 
     def reader(self) -> LineReader:
         """Return the reader of the format."""
-        return LineReader(self.name, self.suffixes, self.title, self.read)
+        return LineReader(self.name, (*self.suffixes,), self.title, self.read)
 
     def read(self, source: LineFile) -> Iterator[Line]:
         """Yield the lines of a file, in the format that its outermost element tells."""

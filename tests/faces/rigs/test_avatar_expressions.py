@@ -5,13 +5,16 @@ from io import BytesIO
 
 import numpy as np
 import pytest
+from face_models import OPENINGS, face
 from lanes import needs_plug_ins, of_plug_in
+from shipped import LIBRARY
 from small_models import glb
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.animations.moving_shapes import unbound
 from lipsync_lang.faces.rigs.model import read_model
+from lipsync_lang.faces.rigs.recognise import recognise
 
 SHAPES = ("s0", "s1", "s2")
 MOUTHS = {
@@ -26,8 +29,9 @@ SCHEDULE = ll.Schedule(
 )
 
 
-def vrm1(path, mouths=MOUTHS, shapes=SHAPES, kind="preset", **stated):
-    expressions = {
+def expressed(mouths, **stated):
+    """Return expressions by name; `stated` has further fields of them."""
+    return {
         name: {
             "morphTargetBinds": [
                 {"node": 0, "index": index, "weight": weight} for index, weight in own.items()
@@ -36,11 +40,12 @@ def vrm1(path, mouths=MOUTHS, shapes=SHAPES, kind="preset", **stated):
         }
         for name, own in mouths.items()
     }
-    return glb(
-        path,
-        *shapes,
-        extensions={"VRMC_vrm": {"specVersion": "1.0", "expressions": {kind: expressions}}},
-    )
+
+
+def vrm1(path, mouths=MOUTHS, shapes=SHAPES, kind="preset", **stated):
+    expressions = {kind: expressed(mouths, **stated)}
+    extensions = {"VRMC_vrm": {"specVersion": "1.0", "expressions": expressions}}
+    return glb(path, *shapes, extensions=extensions)
 
 
 def vrm0(path):
@@ -85,6 +90,21 @@ def test_a_name_that_says_enough_needs_no_expression(tmp_path):
     bound = vrm1(tmp_path / "bound.vrm", own, tuple(MOUTHS))
     one, other = performed(face), performed(bound)
     np.testing.assert_array_equal(one.weights, unbound(other).weights)
+
+
+@pytest.mark.parametrize(("customs", "chosen"), [(False, "vrm"), (True, "arkit")])
+def test_shapes_that_no_player_moves_choose_no_pose_set(tmp_path, customs, chosen):
+    """An avatar may have the shapes of a face and no expressions of them."""
+    own = [name for name in OPENINGS if name.startswith("viseme")]
+    shapes = (*LIBRARY.poseset("arkit").model.poses, *own)
+    binds = dict(zip(MOUTHS, ({shapes.index(name): 1.0} for name in (*own, own[0])), strict=True))
+    expressions = {"preset": expressed(binds)}
+    if customs:
+        expressions["custom"] = expressed({name: {n: 1.0} for n, name in enumerate(shapes)})
+    extensions = {"VRMC_vrm": {"specVersion": "1.0", "expressions": expressions}}
+    model = face(tmp_path / "face.vrm", *shapes, above=(), extensions=extensions)
+    [best, *_] = recognise(LIBRARY, read_model(model))
+    assert best.poseset == chosen
 
 
 def bound1(stated):
