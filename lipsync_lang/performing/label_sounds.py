@@ -89,8 +89,9 @@ class LabelTable(dict[str, int]):
         The first is None unless each label has one sound.
         """
         # `__missing__` runs only for new labels, so known ones are looked up in C alone
-        codes = np.fromiter(map(self.__getitem__, labels), np.intp, len(labels))
-        if codes.max() < SEVERAL:
+        known = list(map(self.__getitem__, labels))
+        codes = np.array(known, np.intp)
+        if max(known) < SEVERAL:  # numpy's maximum takes longer for some tens of labels
             return codes, codes[:0]
         ids, marks = codes % MARK, codes // MARK + UNMARKED
         return None if ids.max() == SEVERAL else ids, marks

@@ -435,9 +435,8 @@ def _animate(
     fps = checked_rate(fps)
     names = [None] * len(schedules) if lines is None else lines
     if len(names) != len(schedules):
-        raise LipsyncError(
-            f"{len(names)} lines for {len(schedules)} schedules; give one line per schedule"
-        )
+        what = f"{len(names)} lines for {len(schedules)} schedules"
+        raise LipsyncError(f"{what}; give one line per schedule")
     compiled, lined = performer.compiled, zip(schedules, names, strict=True)
     schedules = [
         corrected(compiled.line_deliveries.get(line or "", {}), compiled, schedule, line)

@@ -67,6 +67,10 @@ class LineDelivery(NamedTuple):
     ) -> Self:
         """Find the delivery of a schedule; `asked` holds the options of `perform`."""
         compiled = pair.compiled
+        bare = not (schedule.words or schedule.likely or sounds.marks.size or compiled.word_edits)
+        stated = line, schedule.audio, *asked.values()
+        if bare and stated.count(None) == len(stated) and not any(compiled.delivery.values()):
+            return cls(compiled.tables, (), (), (), (), ())
         blends, dials = delivery(compiled, schedule, line, asked["styles"], asked["dials"])
         intensity = asked["intensity"]
         if intensity is None and schedule.audio is not None:

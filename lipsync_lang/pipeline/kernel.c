@@ -20,7 +20,7 @@ before any is used. There is no static state; the GIL is released while the stag
 #include <string.h>
 
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__)
-#define WIDE_VECTORS __attribute__((target_clones("avx2", "default"))) /* the loader chooses one */
+#define WIDE_VECTORS __attribute__((target_clones("avx512f", "avx2", "default"))) /* the loader chooses one */
 #else
 #define WIDE_VECTORS
 #endif

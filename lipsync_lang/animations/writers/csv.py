@@ -30,7 +30,6 @@ def write_csv(animation: Animation, out: TextIO) -> None:
 def _rows(table: Floats) -> str:
     """Return rows of seconds with six digits, and of weights with five."""
     if kernel.compiled is not None:
-        written: str = kernel.compiled.rows(table.shape[1], np.ascontiguousarray(table))
-        return written
+        return str(kernel.compiled.rows(table.shape[1], np.ascontiguousarray(table)))
     row = ",".join(["%.6f", *["%.5f"] * (table.shape[1] - 1)]) + "\n"
     return row * len(table) % tuple(table.ravel().tolist())

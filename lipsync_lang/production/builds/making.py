@@ -222,15 +222,12 @@ class LineMaker:
         needs = pair.of(animation.schedule, spoken=line.timings is None, reasons=reasons)
         figures = [
             JudgedFigure(
-                name,
-                value,
-                unit,
-                limit,
-                tuple([at for at, _ in findings[:MAX_FINDINGS]]),
-                findings[0].what if findings else why,
-                name.partition(" ")[0] in self.settings.limits,
+                *one[:4],
+                tuple([at for at, _ in one.findings[:MAX_FINDINGS]]),
+                one.findings[0].what if one.findings else one.why,
+                one.name.partition(" ")[0] in self.settings.limits,
             )
-            for name, value, unit, limit, _, findings, why in quality.figures
+            for one in quality.figures
         ]
         confidence = animation.schedule.confidence
         if confidence is not None:

@@ -54,8 +54,6 @@ REMAKE_REASONS = {
 }
 """States of an output that make its line stale, in words."""
 
-NO_OUTPUT = OutputRecord(-1, -1, "")
-
 STANDING = ("edited", "unknown")
 """States of an output that a build must not replace."""
 
@@ -108,9 +106,9 @@ class BuildPlan:
             known = step.record.outputs if step.record is not None else {}
             for _, path in step.line.outputs:
                 file, _ = split_archive(path) or (path, "")
-                yield os.path.join(home, file), known.get(path, NO_OUTPUT)[:2]  # noqa: PTH118
+                yield os.path.join(home, file), known.get(path, (-1, -1))[:2]  # noqa: PTH118
             for read in filter(None, (step.line.timings, step.line.audio)):
-                yield os.path.join(home, read), NO_OUTPUT[:2]  # noqa: PTH118
+                yield os.path.join(home, read), (-1, -1)  # noqa: PTH118
 
 
 def plan(  # noqa: PLR0913 the lines, records and options
