@@ -399,8 +399,8 @@ def test_a_text_that_is_too_long_for_its_sound_is_told(english, count):
 
 
 def heard(fit):
-    """One phoneme that fits a sound of 30 s well or badly."""
-    return [HeardPhoneme(0, 1, 0, 3000, fit)]
+    """Phonemes that fit a sound of 30 s well or badly."""
+    return [HeardPhoneme(0, 1, first, first + 100, fit) for first in range(0, 3000, 100)]
 
 
 @pytest.mark.parametrize(
@@ -860,6 +860,16 @@ def test_where_one_aligner_is_not_sure_the_next_is_asked(monkeypatch, first, sec
     assert any(told in remark for remark in found.remarks) if told else not found.remarks
 
 
+@pytest.mark.parametrize(("first", "second", "sure"), [(0.02, 0.9, False), (0.4, 0.9, True)])
+def test_one_aligner_alone_makes_no_wrong_text_right(monkeypatch, first, second, sure):
+    laid_by(monkeypatch, "pocketsphinx", first)
+    laid_by(monkeypatch, "warp", second)
+    found = aligned(Speaker.of("german"), ll.Audio(np.zeros(16000, np.int16), 16000), "Mama")
+    assert first < found.confidence < second
+    assert (found.confidence >= DOUBTFUL) == sure
+    assert any("hardly fits" in remark for remark in found.remarks) != sure
+
+
 def test_a_line_whose_words_fit_stays_where_it_is_whatever_is_beside_it(monkeypatch):
     laid_by(monkeypatch, "pocketsphinx", 0.2)
     laid_by(monkeypatch, "warp", 0.9)
@@ -896,7 +906,8 @@ def test_unsure_lines_go_to_the_next_aligner_together(monkeypatch, most):
     texts = ["0.9", "0.3", "0.8", "...", "0.2", "0.7"]
     silence = ll.Audio(np.zeros(16000, np.int16), 16000)
     found = align_many(Speaker.of("german"), [(silence, text) for text in texts])
-    assert [one.confidence for one in found] == [0.9, 0.3, 0.8, None, 0.2, 0.7]
+    sure = [one.confidence for one in found]
+    assert sure == [0.9, pytest.approx(0.3), 0.8, None, pytest.approx(0.2), 0.7]
     assert first.calls == [["0.9", "0.3", "0.8", "0.2", "0.7"]]
     assert second.calls == ([["0.3", "0.2"]] if most == 64 else [["0.3"], ["0.2"]])
 

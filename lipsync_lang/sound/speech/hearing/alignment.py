@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import tee, zip_longest
+from math import prod
 from pathlib import Path
 from typing import NamedTuple, overload
 
@@ -267,15 +268,19 @@ class AlignmentAttempt:
         """The best result with the doubts about it, and with the markup of the text."""
         if isinstance(self.best, SpeechError) or self.text.silent:
             return self.best
-        schedule, first = _doubted(self.best), self.results[0][1]
-        if len(self.results) > 1:
-            rates = [(name, _sureness(one)) for name, one in self.results]
-            asked = ", ".join(f"{n} {'failed' if rate < 0 else f'{rate:.2f}'}" for n, rate in rates)
-            kept = max(rates, key=lambda one: one[1])[0]
-            remark = f"aligned by {kept}, the most confident of: {asked}"
-            if isinstance(first, SpeechError):
-                remark += f" ({first})"
-            schedule = replace(schedule, remarks=(*schedule.remarks, remark))
+        schedule, first = self.best, self.results[0][1]
+        if len(self.results) == 1:
+            return as_written(self.text, _doubted(schedule))
+        rates = [(name, _sureness(one)) for name, one in self.results]
+        asked = ", ".join(f"{n} {'failed' if rate < 0 else f'{rate:.2f}'}" for n, rate in rates)
+        kept = max(rates, key=lambda one: one[1])[0]
+        failed = f" ({first})" if isinstance(first, SpeechError) else ""
+        remark = f"aligned by {kept}, the most confident of: {asked}{failed}"
+        # a wrong text that is like the sound to one aligner is seldom so to another
+        known = [min(max(rate, 0.01), 0.99) for _, rate in rates if rate >= 0]
+        odds = prod(rate / (1 - rate) for rate in known) ** (1 / len(known))
+        schedule = _doubted(replace(schedule, confidence=odds / (1 + odds)))
+        schedule = replace(schedule, remarks=(*schedule.remarks, remark))
         return as_written(self.text, schedule)
 
 
@@ -284,8 +289,7 @@ def finished(
 ) -> Iterator[Schedule | SpeechError]:
     """Ask each further aligner about all unsure lines at once, and yield the surest results."""
     for engine in others:
-        unsure = [one for one in lines if one.unsure]
-        if unsure:
+        if unsure := [one for one in lines if one.unsure]:
             pairs = [(one.sound, SureText(*one.text[:2])) for one in unsure]
             answers = engine.all(pairs, speaker)
             for one in unsure:

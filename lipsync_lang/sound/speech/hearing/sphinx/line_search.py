@@ -6,7 +6,7 @@ their place, or a phoneme lasts as long as the music. Without that sound they ar
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, pairwise
-from math import log
+from math import exp
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -36,7 +36,7 @@ from lipsync_lang.sound.speech.hearing.sphinx.forced import (
     lay,
     likeliest_way,
 )
-from lipsync_lang.sound.speech.hearing.sphinx.scheduling import line_confidence, logistic
+from lipsync_lang.sound.speech.hearing.sphinx.scheduling import line_confidence
 
 if TYPE_CHECKING:
     from lipsync_lang.sound.speech.hearing.sphinx.folder import Models
@@ -47,7 +47,7 @@ MIN_WORDS = 3
 REACH = 8
 """Most words over which a word is moved."""
 
-EXCHANGED_LOG, MOVED_LOG, PARTS_LOG = -28.0, -60.0, -120.0
+EXCHANGED_LOG, MOVED_LOG, PARTS_LOG = -22.0, -60.0, -120.0
 """Log scores of two neighbours exchanged, of a word moved further, and of two parts exchanged."""
 
 CHANCE_PHONES, CHANCE_FACTOR = 2, 1.5
@@ -86,7 +86,7 @@ PAUSE = Node(OUTSIDE, 0, WordPosition.INSIDE)
 SPEECH = Node(OUTSIDE, OUTSIDE, WordPosition.INSIDE)
 """Speech without words; both have the context and the states of silence."""
 
-MOVED_CONFIDENCE = 0.25
+MOVED_CONFIDENCE = 0.05
 """Greatest confidence of a line with a word that fits better elsewhere."""
 
 MAX_PARTED_FRAMES = 4000
@@ -190,8 +190,7 @@ class TextErrors:
         self._start = first if before >= MIN_OTHER_FRAMES else max(first - MARGIN_FRAMES, 0)
         end = stop if after >= MIN_OTHER_FRAMES else stop + MARGIN_FRAMES
         if not all(ways):
-            first = self._start = 0
-            stop = end = len(features)
+            first, self._start, stop, end = 0, 0, len(features), len(features)
         self._within = slice(max(first - margin - self._start, 0), stop + margin - self._start)
         self._sound = Listening(model, features[self._start : end])
         self._alone = self._sound.scores(model.alone)
@@ -472,9 +471,8 @@ def _alone(
     left_out = any(one.phone == OUTSIDE != one.word for one in found.heard)
     if left_out or found.sure < DOUBTFUL:
         return FoundLine([], 0.0)
-    sure = min(found.sure, 1 - 1e-9)
-    sure = logistic(log(sure / (1 - sure)) + PART_LOGIT)
-    return _placed(found._replace(sure=sure, moved=None), part, end)
+    odds = found.sure / (1 - found.sure + 1e-9) * exp(PART_LOGIT)
+    return _placed(found._replace(sure=odds / (1 + odds), moved=None), part, end)
 
 
 def laid(

@@ -52,8 +52,9 @@ MAX_SHOWN_PLACES = 5
 """Maximum number of places in one remark."""
 
 
-LINE_FIT_WEIGHTS = (1.75, 14.2, -5.5)
-"""Weights in the logit of a line's confidence: of the fit, of the share of speech, and of 1."""
+LINE_FIT_WEIGHTS = (0.9, -4.0, 12.0, -10.0, -3.75)
+"""Weights in the logit of a line's confidence: of the fit, of the hurried share, of the share of
+speech, of 1 for each phoneme, and of 1."""
 
 WORD_FIT_WEIGHTS = (0.45, -1.4, 3.0)
 """Weights in the logit of a word's confidence: of the fit, of the hurried share, and of 1."""
@@ -217,8 +218,9 @@ def listed(places: Sequence[str]) -> str:
 def line_confidence(heard: Sequence[HeardPhoneme]) -> float:
     """Return the probability that the sound has these words, in [0, 1].
 
-    The evidence: the mean fit of their phonemes, their share of the speech among and beside them,
-    and the fit of silence and noises to them, which is high where nobody speaks.
+    The evidence: the mean fit of their phonemes, the share of them that have no time, their share
+    of the speech among and beside them, and the fit of silence and noises to them, which is high
+    where nobody speaks. Few phonemes fit by chance: they need more of it.
     """
     said = [one for one in heard if OUTSIDE not in (one.word, one.phone)]
     if not said:
@@ -229,11 +231,10 @@ def line_confidence(heard: Sequence[HeardPhoneme]) -> float:
     after = sum(_frames(one) for one in others if one.first > said[-1].first)
     among = sum(map(_frames, others)) - before - after
     other = among + min(before, MAX_BESIDE_FRAMES) + min(after, MAX_BESIDE_FRAMES)
-    fit = float(np.mean([one.fit for one in said]))
     noise = sum(one.noise * _frames(one) for one in said) / spoken
     din = DIN_WEIGHT * max(0.0, noise - SPEECH_NOISE_FIT)
-    of_fit, of_share, constant = LINE_FIT_WEIGHTS
-    return logistic(of_fit * fit + of_share * spoken / (spoken + other) + constant - din)
+    evidence = (*_fit_and_hurry(said), spoken / (spoken + other), 1 / len(said), 1.0)
+    return logistic(np.dot(LINE_FIT_WEIGHTS, evidence) - din)
 
 
 def word_confidence(phonemes: Sequence[HeardPhoneme]) -> float:
@@ -241,10 +242,12 @@ def word_confidence(phonemes: Sequence[HeardPhoneme]) -> float:
 
     The evidence: the mean fit of its phonemes, and the share of them that have no time.
     """
-    fit = float(np.mean([one.fit for one in phonemes]))
-    hurried = float(np.mean([_frames(one) <= HURRIED_FRAMES for one in phonemes]))
-    of_fit, of_hurried, constant = WORD_FIT_WEIGHTS
-    return logistic(of_fit * fit + of_hurried * hurried + constant)
+    return logistic(np.dot(WORD_FIT_WEIGHTS, (*_fit_and_hurry(phonemes), 1.0)))
+
+
+def _fit_and_hurry(phonemes: Sequence[HeardPhoneme]) -> Floats:
+    """Return the mean fit of phonemes, and the share of them that have no time."""
+    return np.mean([(one.fit, _frames(one) <= HURRIED_FRAMES) for one in phonemes], axis=0)
 
 
 def _frames(one: HeardPhoneme) -> int:

@@ -1,0 +1,60 @@
+"""Right texts of voices that the model hears badly pass, and wrong ones are doubted."""
+
+import pytest
+from lanes import swept
+
+from lipsync_lang.schedules.schedule import DOUBTFUL
+from lipsync_lang.sound.speech.hearing.alignment import align_many
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+
+pytest.importorskip("pocketsphinx")
+
+LINES = {
+    "russian": (
+        "Корабль капитана стоит в старом порту с прошлой осени.",
+        "Никто из нас не хотел открывать железную дверь.",
+        "Завтра утром мы вернёмся домой через лес.",
+    ),
+    "spanish": (
+        "El barco del capitán lleva meses en el puerto viejo.",
+        "Nadie quería abrir la puerta de hierro.",
+        "Mañana volveremos a casa por el bosque.",
+    ),
+    "french": (
+        "Le bateau du capitaine est au vieux port depuis l'automne.",
+        "Personne n'osait ouvrir la lourde porte en fer.",
+        "Demain matin nous rentrerons par la forêt.",
+    ),
+    "italian": (
+        "La nave del capitano è nel vecchio porto da mesi.",
+        "Nessuno voleva aprire la porta di ferro.",
+        "Domani mattina torneremo a casa dal bosco.",
+    ),
+    "ukrainian": (
+        "Корабель капітана стоїть у старому порту з осені.",
+        "Ніхто не хотів відчиняти залізні двері.",
+        "Завтра вранці ми повернемося додому через ліс.",
+    ),
+    "japanese": (
+        "船長の船は秋から古い港にあります。",
+        "誰も鉄のドアを開けたくなかった。",
+        "明日の朝、森を通って家に帰ります。",
+    ),
+    "korean": (
+        "선장의 배는 가을부터 낡은 항구에 있습니다.",
+        "아무도 철문을 열고 싶어 하지 않았다.",
+        "내일 아침 숲을 지나 집으로 돌아갑니다.",
+    ),
+}
+
+
+@pytest.mark.parametrize("language", swept(LINES, quick=["russian", "french"]))
+def test_the_text_of_a_voice_is_told_from_other_texts(language):
+    speaker, texts = Speaker.of(language), LINES[language]
+    sounds = [speaker.speak(text).audio for text in texts]
+    if None in sounds:
+        pytest.skip(f"no voice speaks {language}")
+    pairs = [(sound, text) for sound in sounds for text in texts]
+    found = align_many(speaker, pairs)
+    sure = [getattr(one, "confidence", 0.0) >= DOUBTFUL for one in found]
+    assert sure == [text == own for own in texts for text in texts]
