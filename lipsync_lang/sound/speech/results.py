@@ -18,6 +18,10 @@ BATCH_TEXTS = 500
 """Maximum number of texts that an engine reads at once."""
 
 
+class WrongTextError(SpeechError):
+    """A text that is not said in its recording."""
+
+
 def tried(act: Callable[[T], R]) -> Callable[[T], R | SpeechError]:
     """Return a function that returns its error in place of raising it."""
 

@@ -47,6 +47,7 @@ from lipsync_lang.sound.speech.hearing.sphinx.scheduling import (
     timed_labels,
     word_confidence,
 )
+from lipsync_lang.sound.speech.results import WrongTextError
 from lipsync_lang.sound.speech.sound import SPEECH_RATE, resampled
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 from lipsync_lang.sound.speech.speaking.transcripts import WrittenText
@@ -868,6 +869,18 @@ def test_one_aligner_alone_makes_no_wrong_text_right(monkeypatch, first, second,
     assert first < found.confidence < second
     assert (found.confidence >= DOUBTFUL) == sure
     assert any("hardly fits" in remark for remark in found.remarks) != sure
+
+
+def test_a_text_that_one_aligner_refuses_needs_more_than_another(monkeypatch):
+    class Refusing:
+        def align(self, audio, text, speaker, model=None):  # noqa: ARG002 the interface
+            raise WrongTextError("the text does not fit the recording")
+
+    monkeypatch.setitem(ALIGNERS.known, "pocketsphinx", Refusing())
+    laid_by(monkeypatch, "warp", 0.9)
+    found = aligned(Speaker.of("german"), ll.Audio(np.zeros(16000, np.int16), 16000), "Mama")
+    assert found.confidence < DOUBTFUL
+    assert "(the text does not fit the recording)" in found.remarks[-1]
 
 
 def test_a_line_whose_words_fit_stays_where_it_is_whatever_is_beside_it(monkeypatch):

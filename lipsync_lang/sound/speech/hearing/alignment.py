@@ -17,7 +17,7 @@ from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.packs.finding import Paths
 from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, Audio, Schedule
 from lipsync_lang.sound.speech.hearing.align.aligners import ALIGNERS, Aligner, BatchAligner
-from lipsync_lang.sound.speech.results import exhaust, next_result, raised
+from lipsync_lang.sound.speech.results import WrongTextError, exhaust, next_result, raised
 from lipsync_lang.sound.speech.sound import SoundSource, sound_of
 from lipsync_lang.sound.speech.speaking.speaker import NO_VALUES, PlaceholderValues, Speaker
 from lipsync_lang.sound.speech.speaking.transcripts import SureText, WrittenText, as_written, silent
@@ -319,7 +319,7 @@ def _doubted(schedule: Schedule) -> Schedule:
 
 
 def _sureness(result: Schedule | SpeechError) -> float:
-    """Return the confidence of a result: -1 for an error, 1 if the aligner states none."""
+    """Return the confidence of a result: 1 if none is stated, 0 for a wrong text, else -1."""
     if isinstance(result, SpeechError):
-        return -1.0
+        return 0.0 if isinstance(result, WrongTextError) else -1.0
     return 1.0 if result.confidence is None else result.confidence

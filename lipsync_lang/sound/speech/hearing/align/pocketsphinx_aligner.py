@@ -27,7 +27,7 @@ from lipsync_lang.sound.speech.hearing.sphinx.scheduling import (
     prepared,
     timed_labels,
 )
-from lipsync_lang.sound.speech.results import batches, raised, tried
+from lipsync_lang.sound.speech.results import WrongTextError, batches, raised, tried
 from lipsync_lang.sound.speech.sound import SPEECH_RATE
 from lipsync_lang.sound.speech.speaking.joining import stress_read
 from lipsync_lang.sound.speech.speaking.transcripts import SureText
@@ -106,16 +106,13 @@ class PocketsphinxAligner(BatchAligner):
         if unwritten:
             places = listed([one.told(texts) for one in unwritten])
             told.append(f"a word may be said that the text does not have: {places}")
-        if (
-            reader.own
-            and models.language_model
-            and min(agreeing - MIN_AGREEMENT, sure - DOUBTFUL) < 0
-        ):
+        doubted = agreeing < MIN_AGREEMENT or sure < DOUBTFUL
+        if reader.own and models.language_model and doubted:
             decoded = decoded_words(models, sound[:MAX_HEARD_SAMPLES])
             words = (" ".join(word.text for word in decoded) or "no word")[:MAX_SHOWN_TEXT]
             told.append(f"heard instead: '{words}'")
         if agreeing < MIN_AGREEMENT:
-            raise SpeechError(
+            raise WrongTextError(
                 f"the text does not fit the recording ({agreeing:.0%} of its phonemes, confidence "
                 f"{sure:.2f}{''.join(f'; {one}' for one in told)}): '{text[:MAX_SHOWN_TEXT]}'; "
                 "check the text, the language and the loudness of the voice, or try another "
