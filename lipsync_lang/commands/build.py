@@ -366,7 +366,7 @@ def _report(
     gone = [path for _, record in outcome.plan.gone for path in record.outputs]
     figures = {
         "lines": len(project.lines),
-        "built": sum(one.outcome == "built" for one in outcome.built.values()),
+        "built": sum(not one.failed for one in outcome.built.values()),
         "current": len(outcome.plan.steps) - len(outcome.plan.stale),
         "failed": tally.failed,
         "over_limits": tally.over,

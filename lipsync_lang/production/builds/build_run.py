@@ -17,12 +17,12 @@ from lipsync_lang.base.files.temporary import sweep
 from lipsync_lang.base.files.writing import atomic, cannot_write
 from lipsync_lang.production.builds.build_tally import CountedLine
 from lipsync_lang.production.builds.digests import file_digest
-from lipsync_lang.production.builds.keeping import OutputKeeper, restored
+from lipsync_lang.production.builds.keeping import KnownFigures, OutputKeeper, restored
 from lipsync_lang.production.builds.making import LineBatch, LineMaker, MadeLine, parent_of
 from lipsync_lang.production.builds.needs import PairNeeds
 from lipsync_lang.production.builds.planned_line import BuiltLine, PlannedLine
 from lipsync_lang.production.builds.planning import BuildPlan, Needs, PlannedStep
-from lipsync_lang.production.builds.records import RECORD_CURE, LineRecord, Records, record_folder
+from lipsync_lang.production.builds.records import RECORD_CURE, Records, record_folder
 from lipsync_lang.production.builds.timing import prune_timings
 from lipsync_lang.production.builds.workers import LostBatch, run_batches
 
@@ -62,8 +62,8 @@ class BuildOutcome:
 
     plan: BuildPlan
     records: Records
-    built: dict[tuple[str, str, str], BuiltLine] = field(default_factory=dict)
-    """Lines made by this build, by key."""
+    built: dict[tuple[str, str, str], CountedLine] = field(default_factory=dict)
+    """Lines made by this build, by key; their records have the rest of them."""
     kept: list[str] = field(default_factory=list)
     """Outputs that were kept, because a person changed them."""
     remarks: dict[str, None] = field(default_factory=dict)
@@ -75,14 +75,20 @@ class BuildOutcome:
         for step in self.plan.steps:
             made, record = self.built.get(step.line.key), step.record
             if made is not None:
-                yield CountedLine.of(made)
+                yield made
             elif record is not None:
                 figures = record.confidence, record.heading, record.figures
-                whole = partial(self._restored, step.line, record)
+                whole = partial(self._restored, step.line, figures)
                 yield CountedLine(step.line, record.verdict == "failed", *figures, whole)
 
-    def _restored(self, line: PlannedLine, record: LineRecord) -> BuiltLine:
-        return restored(line, record, self.records.result(line.key))
+    def add(self, built: BuiltLine) -> None:
+        """Count a line that was made and recorded."""
+        made = CountedLine.of(built)
+        whole = partial(self._restored, built.line, made[2:5])
+        self.built[built.line.key] = made._replace(whole=whole)
+
+    def _restored(self, line: PlannedLine, figures: KnownFigures) -> BuiltLine:
+        return restored(line, figures, self.records.result(line.key))
 
 
 @contextmanager
@@ -179,7 +185,7 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
                 results = found
             outcome.kept += keeper.keep(results)
             for one in results:
-                outcome.built[one.built.line.key] = one.built
+                outcome.add(one.built)
                 outcome.remarks |= dict.fromkeys(one.remarks)
                 _tell_line(tell, one.built, keeper.steps[one.built.line.key])
             done += len(results)

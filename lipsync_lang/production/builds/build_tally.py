@@ -65,10 +65,8 @@ class CountedLine(NamedTuple):
     @classmethod
     def of(cls, built: BuiltLine) -> "CountedLine":
         """Return a line for the counts."""
-        failed = built.outcome == "failed"
-        return cls(
-            built.line, failed, built.confidence, *packed_figures(built.figures), lambda: built
-        )
+        known = built.outcome == "failed", built.confidence, *packed_figures(built.figures)
+        return cls(built.line, *known, lambda: built)
 
 
 def histogram(bars: Floats) -> Ints:

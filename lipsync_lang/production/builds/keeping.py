@@ -24,6 +24,9 @@ from lipsync_lang.production.builds.records import (
     unusable,
 )
 
+KnownFigures = tuple[float | None, str, bytes]
+"""Confidence of a line, and its `packed_figures`."""
+
 MAX_WAITING_LINES = 10_000
 """Maximum number of waiting lines, at which their archives are rewritten."""
 
@@ -114,12 +117,12 @@ def prune(plan: BuildPlan, folder: Path, records: Records) -> list[str]:
     return deleted
 
 
-def restored(line: PlannedLine, record: LineRecord, result: Sequence[Any]) -> BuiltLine:
-    """Return a line of an earlier build from its record and `Records.result`."""
+def restored(line: PlannedLine, judged: KnownFigures, result: Sequence[Any]) -> BuiltLine:
+    """Return a line from what its record knows and `Records.result`."""
     try:
         # Records of earlier builds have no words left out.
         outcome, message, seconds, notes, *left = result
-        values, limits, heads = unpacked_figures(record.heading, [record.figures])
+        values, limits, heads = unpacked_figures(judged[1], [judged[2]])
         stated = np.array([values[0], limits[0]])
         known = stated.astype(object)
         # Arrays hold no None, so a missing value or limit is kept as not-a-number.
@@ -129,7 +132,7 @@ def restored(line: PlannedLine, record: LineRecord, result: Sequence[Any]) -> Bu
             JudgedFigure(name, value, unit, limit, at, words, binding)
             for (name, unit, binding), value, limit, (at, words) in rows
         ]
-        sure, words = record.confidence, tuple(left[0]) if left else ()
-        return BuiltLine(line, outcome, message, seconds, sure, tuple(figures), words)
+        words = tuple(left[0]) if left else ()
+        return BuiltLine(line, outcome, message, seconds, judged[0], tuple(figures), words)
     except (TypeError, ValueError):
         raise unusable() from None

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from sys import intern
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -256,7 +257,8 @@ def packed_figures(figures: Sequence[JudgedFigure]) -> tuple[str, bytes]:
     """Return name, unit and binding of figures as JSON, and bytes of their values and limits."""
     numbers = [one.value for one in figures], [one.limit for one in figures]
     heading = as_json([(one.name, one.unit, one.binding) for one in figures])
-    return heading, np.array(numbers, "<f8").tobytes()  # None is not a number
+    # None is not a number; the lines of a face share the heading
+    return intern(heading), np.array(numbers, "<f8").tobytes()
 
 
 def unpacked_figures(

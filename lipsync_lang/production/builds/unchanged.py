@@ -39,11 +39,8 @@ LAST_LINE = b"end"
 READERS = "lipsync_lang.packs.library"
 """Module that a process loads before it reads packs; caches hide what is read after that."""
 
-BuildAnswer = dict[str, Any]
-"""Words and figures of a build, as JSON values."""
 
-
-def answer(project: Path, part: str, options: Namespace) -> BuildAnswer | None:
+def answer(project: Path, part: str, options: Namespace) -> dict[str, Any] | None:
     """Return what the last build said, if nothing has changed since; None if anything may have."""
     index, whole = project / FOLDER / part / INDEX, blake2b()
     wrong = OSError, ValueError, KeyError, TypeError, RecursionError
@@ -56,7 +53,7 @@ def answer(project: Path, part: str, options: Namespace) -> BuildAnswer | None:
         for line in lines:
             known, _, path = line[:-1].partition(b"\t")
             if known == LAST_LINE:
-                said: BuildAnswer = head["said"]
+                said: dict[str, Any] = head["said"]
                 return said if path.decode() == whole.hexdigest() else None
             if known != (_folder_state if known[:1] == b"d" else _file_state)(os.fsdecode(path)):
                 return None
@@ -84,7 +81,7 @@ class BuildLog:
         part: str,
         options: Namespace,
         *,
-        said: BuildAnswer,
+        said: dict[str, Any],
         outputs: Iterable[tuple[str, tuple[int, int]]],
         reports: Sequence[Path],
     ) -> None:

@@ -739,3 +739,16 @@ def test_a_worker_knows_a_model_whose_copy_an_interrupted_build_deleted(tmp_path
     copy.unlink()
     there = pickle.loads(sent)  # noqa: S301 our own
     assert there.current("model") == one.current("model") != needs.digest(None)
+
+
+def test_a_build_keeps_no_line_that_its_record_has(game, monkeypatch):
+    read = []
+    restored = build_run.restored
+
+    def counted(line, *rest):
+        read.append(line.name)
+        return restored(line, *rest)
+
+    monkeypatch.setattr(build_run, "restored", counted)
+    game.build("--report", "report.html")
+    assert set(read) == set(SOUNDS)  # they are the worst lines, and were all made just now
