@@ -273,7 +273,7 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
         told = list(map(str, remarks.now))
         said = {"figures": figures, "words": words, "passed": passed, "remarks": told}
         files = plan.stamps(project.folder)
-        log.keep(project.folder, part, options, said=said, outputs=files, reports=reports)
+        log.keep(records.path.parent, options, said=said, outputs=files, reports=reports)
     if options.json:
         teller("end", figures)
     elif outcome.built or remarks.changed or not options.watch:

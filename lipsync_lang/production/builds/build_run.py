@@ -17,7 +17,7 @@ from lipsync_lang.base.files.temporary import sweep
 from lipsync_lang.base.files.writing import atomic, cannot_write
 from lipsync_lang.production.builds.build_tally import CountedLine
 from lipsync_lang.production.builds.digests import file_digest
-from lipsync_lang.production.builds.keeping import KnownFigures, OutputKeeper, restored
+from lipsync_lang.production.builds.keeping import OutputKeeper, restored
 from lipsync_lang.production.builds.making import LineBatch, LineMaker, MadeLine, parent_of
 from lipsync_lang.production.builds.needs import PairNeeds
 from lipsync_lang.production.builds.planned_line import BuiltLine, PlannedLine
@@ -87,7 +87,7 @@ class BuildOutcome:
         whole = partial(self._restored, built.line, made[2:5])
         self.built[built.line.key] = made._replace(whole=whole)
 
-    def _restored(self, line: PlannedLine, figures: KnownFigures) -> BuiltLine:
+    def _restored(self, line: PlannedLine, figures: Sequence[Any]) -> BuiltLine:
         return restored(line, figures, self.records.result(line.key))
 
 

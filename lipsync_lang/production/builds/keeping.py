@@ -24,9 +24,6 @@ from lipsync_lang.production.builds.records import (
     unusable,
 )
 
-KnownFigures = tuple[float | None, str, bytes]
-"""Confidence of a line, and its `packed_figures`."""
-
 MAX_WAITING_LINES = 10_000
 """Maximum number of waiting lines, at which their archives are rewritten."""
 
@@ -117,8 +114,8 @@ def prune(plan: BuildPlan, folder: Path, records: Records) -> list[str]:
     return deleted
 
 
-def restored(line: PlannedLine, judged: KnownFigures, result: Sequence[Any]) -> BuiltLine:
-    """Return a line from what its record knows and `Records.result`."""
+def restored(line: PlannedLine, judged: Sequence[Any], result: Sequence[Any]) -> BuiltLine:
+    """Return a line from its confidence and `packed_figures`, and from `Records.result`."""
     try:
         # Records of earlier builds have no words left out.
         outcome, message, seconds, notes, *left = result

@@ -257,8 +257,7 @@ def packed_figures(figures: Sequence[JudgedFigure]) -> tuple[str, bytes]:
     """Return name, unit and binding of figures as JSON, and bytes of their values and limits."""
     numbers = [one.value for one in figures], [one.limit for one in figures]
     heading = as_json([(one.name, one.unit, one.binding) for one in figures])
-    # None is not a number; the lines of a face share the heading
-    return intern(heading), np.array(numbers, "<f8").tobytes()
+    return intern(heading), np.array(numbers, "<f8").tobytes()  # None is not a number
 
 
 def unpacked_figures(

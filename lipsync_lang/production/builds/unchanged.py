@@ -53,8 +53,7 @@ def answer(project: Path, part: str, options: Namespace) -> dict[str, Any] | Non
         for line in lines:
             known, _, path = line[:-1].partition(b"\t")
             if known == LAST_LINE:
-                said: dict[str, Any] = head["said"]
-                return said if path.decode() == whole.hexdigest() else None
+                return dict(head["said"]) if path.decode() == whole.hexdigest() else None
             if known != (_folder_state if known[:1] == b"d" else _file_state)(os.fsdecode(path)):
                 return None
             whole.update(line)
@@ -75,10 +74,9 @@ class BuildLog:
             sys.addaudithook(self._note)
             self._show, warnings.showwarning = warnings.showwarning, self._warn
 
-    def keep(  # noqa: PLR0913 what an index holds
+    def keep(
         self,
-        project: Path,
-        part: str,
+        own: Path,
         options: Namespace,
         *,
         said: dict[str, Any],
@@ -87,9 +85,9 @@ class BuildLog:
     ) -> None:
         """Write the index, unless something may have changed during the build.
 
-        `outputs` are paths, each with its size and time as the record states them.
+        `own` is the folder of the record, which states the size and time of each of the `outputs`.
         """
-        self.listens, own = False, project / FOLDER / part
+        self.listens = False
         if not self.whole:
             return
         settled = self.start - TICK_NANOSECONDS

@@ -50,9 +50,9 @@ def answered(game, monkeypatch):
     stated = []
     keep = unchanged.BuildLog.keep
 
-    def kept(self, project, part, options, **rest):
+    def kept(self, own, options, **rest):
         stated.append(options)
-        keep(self, project, part, options, **rest)
+        keep(self, own, options, **rest)
 
     monkeypatch.setattr(unchanged.BuildLog, "keep", kept)
     for _ in range(2):  # the first one makes the lines and the report, and lists their folders
