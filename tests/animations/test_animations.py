@@ -17,7 +17,6 @@ from hypothesis.extra.numpy import arrays
 from lanes import full, of_plug_in
 from take_files import READ_BACK as TAKES
 from test_line_page import data_of
-from test_subtitle_files import READ_BACK as SUBTITLES
 from test_video import NEEDS
 from test_video import READ_BACK as PICTURES
 
@@ -201,10 +200,10 @@ READ_BACK = {
     **of_plug_in("test_avatar_files", "READ_BACK"),
     **of_plug_in("test_engine_files", "READ_BACK"),
     **of_plug_in("test_godot", "READ_BACK"),
+    **of_plug_in("test_subtitle_files", "READ_BACK"),
     **of_plug_in("test_usd", "READ_BACK"),
     **of_plug_in("test_drawn_mouth_files", "READ_BACK"),
     **PICTURES,
-    **SUBTITLES,
     **TAKES,
     **TIMINGS,
 }

@@ -18,7 +18,6 @@ from lanes import needs_plug_ins, of_plug_in
 from take_files import take_names
 from test_coverage_page import Reader
 from test_line_page import data_of
-from test_subtitle_files import read
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
@@ -145,7 +144,11 @@ def curves(content, _):
 
 
 def cues(name):
-    return lambda content, _: [text for _, _, text in read(name, content.decode("utf-8"))]
+    def names(content, _):
+        read = of_plug_in("test_subtitle_files", "read")
+        return [text for _, _, text in read(name, content.decode("utf-8"))]
+
+    return names
 
 
 def engine(name):

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from html import escape
 from typing import TextIO
 
+from lipsync_lang import OutputError
 from lipsync_lang.animations.writers import Animation, writer
-from lipsync_lang.base.errors import OutputError
 
 ARROW = "-->"
 """Separator between the two times of a cue; not allowed within its text."""
