@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-FIRMNESS = np.array([1.0, 1.5, 0.5, 0.5])
+FIRMNESS = np.array([1.0, 1.5, 0.5, 0.8])
 """Weight of an error of each measure that a sound states."""
 
 IDLE_FIRMNESS = np.array([0.0, 0.0, 0.05, 0.0])
