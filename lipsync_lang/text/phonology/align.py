@@ -51,8 +51,8 @@ def align(
     moves, lows = _moves(rows, columns, cost, alone)
     # Follow the cheapest path back from its end, and collect the pairs.
     found = [-1] * len(heard)
-    # Single places are read faster from bytes than from an array.
-    table, width, starts = moves.tobytes(), moves.shape[1], lows.tolist()
+    # Single places are read faster from a view of bytes than from an array.
+    table, width, starts = moves.data.cast("B"), moves.shape[1], lows.tolist()
     i, j = len(said), len(heard)
     while i or j:
         move = table[i * width + j - starts[i]] if i else _HEARD

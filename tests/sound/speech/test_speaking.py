@@ -1,6 +1,7 @@
 """Reading and speaking text: estimated times, joined times, and words with their own sound."""
 
 import json
+import tracemalloc
 from textwrap import dedent
 
 import numpy as np
@@ -16,7 +17,7 @@ from lipsync_lang.schedules import Schedule
 from lipsync_lang.sound.speech.speaking.joining import estimate, join
 from lipsync_lang.sound.speech.speaking.speaker import Speaker, transcribe
 from lipsync_lang.sound.speech.speaking.transcripts import Transcript
-from lipsync_lang.text.phonology.align import align
+from lipsync_lang.text.phonology.align import BAND_SOUNDS, align
 from lipsync_lang.text.phonology.g2p import SpokenWord
 from lipsync_lang.text.phonology.labels import Notation
 from lipsync_lang.text.phonology.manner import Manner
@@ -342,3 +343,14 @@ def test_pauses_at_dashes_brackets_and_quotes_are_those_of_the_voice(language):
         read = [label for word in words for label in word.labels or ["_"]]
         assert read == list(schedule.labels[1:-1])
     assert sum("_" in schedule.labels[1:-1] for schedule in spoken) > len(texts) / 2
+
+
+def test_long_texts_are_aligned_in_little_more_memory_than_the_table_of_moves():
+    said = [f"{number * number % 7}" for number in range(4000)]
+    table = len(said) * (2 * BAND_SOUNDS + 3)
+    tracemalloc.start()
+    found = align(said, said, {}, "_")
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert found.tolist() == [*range(len(said))]
+    assert peak < 1.8 * table
