@@ -13,7 +13,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from lipsync_lang.authoring.sound_table import SoundTable
-from lipsync_lang.authoring.trial import doubts, try_out
+from lipsync_lang.authoring.trial import doubts, try_out, unheard
 from lipsync_lang.base.errors import OutputError, did_you_mean
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.packs.checking.validate import validate
@@ -123,7 +123,7 @@ def check_language(library: Library, path: Path, character: str | None = None) -
     pack = library.extended(path)
     trial = try_out(library, pack)
     tried = trial.faults(library.common().model.silence)
-    found = tuple(sorted({*faults, *tried, *doubts(library, pack)}))
+    found = tuple(sorted({*faults, *tried, *doubts(library, pack), *unheard(library, pack)}))
     sounds, tests = SoundTable(library, pack).told(), len(pack.model.tests)
     mouths = mouths_of(library, pack.model.name, character) if character else {}
     return LanguageCheck(found, sounds, mouths, character or "", tests, trial.refusal)

@@ -3,12 +3,13 @@
 A test is a text with its expected common phonemes; a mismatch is a fault with a location.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 
-from lipsync_lang.base.errors import LipsyncError, PackError, did_you_mean
+from lipsync_lang.base.errors import LipsyncError, PackError, SpeechError, did_you_mean
 from lipsync_lang.packs import models
 from lipsync_lang.packs.extending import test_fault
 from lipsync_lang.packs.finding import FOLDERS, IPA, SHARED, built_in
@@ -18,6 +19,15 @@ from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.resolver.language_tables import manner_of, notations_of
 from lipsync_lang.resolver.nearest_phonemes import among, fights
 from lipsync_lang.sound.speech import ENGINES
+from lipsync_lang.sound.speech.hearing.align.pocketsphinx_aligner import (
+    PocketsphinxAligner,
+    models_of,
+)
+from lipsync_lang.sound.speech.hearing.alignment import aligners
+from lipsync_lang.sound.speech.hearing.recognise.pocketsphinx_recogniser import (
+    PocketsphinxRecogniser,
+)
+from lipsync_lang.sound.speech.hearing.recognition import chosen_recogniser
 from lipsync_lang.sound.speech.speaking.speaker import KnownReadings, Speaker
 from lipsync_lang.sound.speech.speaking.transcripts import Transcript
 from lipsync_lang.text.phonology.g2p.g2p_engines import Rule
@@ -110,6 +120,33 @@ def doubts(library: Library, pack: Pack[models.Language]) -> Iterator[Fault]:
         what = f"'{label}' becomes {becomes}, which contradicts its features: {', '.join(features)}"
         hint = "correct it, or give the reason under `reasons`"
         yield pack.warning(("notations", IPA, label), "W309", what, hint, key=True)
+
+
+def unheard(library: Library, pack: Pack[models.Language]) -> Iterator[Fault]:
+    """Yield a fault per engine or model of `audio` for which a recording would be refused.
+
+    Where pocketsphinx is not installed, nothing is known of its models.
+    """
+    if pack.model.audio is None or find_spec("pocketsphinx") is None:
+        return
+    try:
+        speaker = Speaker(manner_of(pack, library.common().model), notations_of(library, pack))
+    except LipsyncError:  # other faults say why
+        return
+    asked: dict[str, Callable[[], Sequence[tuple[object, str | None]]]] = {
+        "align": lambda: [one[1:] for one in aligners(speaker, None)]
+    }
+    if pack.model.audio.recognise is not None:
+        asked["recognise"] = lambda: [chosen_recogniser(speaker, None)]
+    for named, ask in asked.items():
+        try:
+            for engine, model in ask():
+                if isinstance(engine, PocketsphinxAligner | PocketsphinxRecogniser):
+                    models_of(model)
+        except SpeechError as error:
+            what, _, hint = str(error).partition("; ")
+            place = "model" if f"'{pack.model.audio.model}'" in what else named
+            yield pack.fault(("audio", place), "P239", what, hint)
 
 
 def languages_in(library: Library, paths: Sequence[Path] = ()) -> Iterator[Pack[models.Language]]:

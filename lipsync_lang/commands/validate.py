@@ -57,7 +57,7 @@ def validate(options: Namespace) -> int:
 
 def _pack_faults(options: Namespace, paths: list[Path]) -> "list[Fault]":
     """Return the faults of packs, of the tests in them, and of projects."""
-    from lipsync_lang.authoring.trial import doubts, languages_in, try_out
+    from lipsync_lang.authoring.trial import doubts, languages_in, try_out, unheard
     from lipsync_lang.packs.checking.validate import validate as find_faults
     from lipsync_lang.packs.library import Library
     from lipsync_lang.packs.yaml.faults import shown
@@ -70,6 +70,7 @@ def _pack_faults(options: Namespace, paths: list[Path]) -> "list[Fault]":
         for pack in languages_in(library, paths):
             with working(f"trying {pack.model.name}"):
                 found.update(try_out(library, pack).faults(silence), doubts(library, pack))
+                found.update(unheard(library, pack))
         faults = sorted(found)
     for project in _projects(paths):
         # A faulty project cannot be planned, and would report the same faults again.

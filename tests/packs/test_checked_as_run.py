@@ -22,6 +22,16 @@ MISTAKES = {
 }
 
 
+AUDIO = {
+    "audio: {model: lm}": "6:16: P239 pocketsphinx has no model 'lm'",
+    "audio: {align: pocketsfinx}": "6:16: P239 unknown aligner 'pocketsfinx'",
+    "audio: {align: [warp, 'pocketsphinx:lm']}": "6:16: P239 pocketsphinx has no model 'lm'",
+    "audio: {align: ['pocketsphinx:./lm']}": "lm: no such folder",
+    "audio: {recognise: sounds}": "6:20: P239 unknown recogniser 'sounds'",
+    "audio: {recognise: 'pocketsphinx:lm'}": "6:20: P239 pocketsphinx has no model 'lm'",
+}
+
+
 @pytest.fixture
 def validate(cli, folder):
     (folder / "languages").mkdir()
@@ -40,6 +50,20 @@ def test_a_mistake_that_a_run_would_refuse_or_ignore_is_a_fault(validate, text):
     assert ended.code == 1
     assert f"languages/x.yaml:{place} " in ended.out
     assert hint in ended.out
+
+
+@pytest.mark.parametrize("text", AUDIO)
+def test_an_engine_that_a_recording_would_miss_is_a_fault(validate, cli, folder, text):
+    pytest.importorskip("pocketsphinx", reason="the extra `audio` is not installed")
+    ended = validate(text)
+    assert ended.code == 1
+    assert AUDIO[text] in ended.out
+    (folder / "models" / "lm").mkdir(parents=True)
+    assert ("'lm'" in AUDIO[text]) == (validate(text).code == 0)
+    assert validate("audio: {align: warp, recognise: sound}").code == 0
+    assert "6:16: P213" in validate("audio: {model: ../../lm}").out
+    ended = cli("languages", "check", "languages/x.yaml")
+    assert "P239" not in ended.out
 
 
 @pytest.mark.parametrize("label", ["{", "}", "[", "]", ",", "!", '"', "'", "{~", "!\\"])

@@ -110,7 +110,7 @@ def recognise_many(
     For each recording, in order, its schedule, or the error that `recognise` raises
     """
     try:
-        chosen, model = _recogniser(speaker, recogniser)
+        chosen, model = chosen_recogniser(speaker, recogniser)
     except SpeechError as error:
         yield from (error for _ in recordings)
         return
@@ -200,7 +200,7 @@ def _filled(found: Schedule, sounds: Mapping[int, Sequence[LabelRow]]) -> Schedu
     )
 
 
-def _recogniser(speaker: Speaker, name: str | None) -> tuple[Recogniser, str | None]:
+def chosen_recogniser(speaker: Speaker, name: str | None) -> tuple[Recogniser, str | None]:
     """Return the language's recogniser, or another by name, and its model."""
     stated = speaker.manner.audio
     if name is None and stated.recognise is None:
