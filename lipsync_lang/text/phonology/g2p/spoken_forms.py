@@ -50,10 +50,11 @@ class SpokenForms:
     def from_plain(cls, data: Mapping[str, Any]) -> Self:
         """Rebuild forms from `dataclasses.asdict`, perhaps by way of JSON."""
         names = [one.name for one in fields(cls) if one.default == ()]
-        tables = {
+        tables: dict[str, Any] = {
             table: {
                 word: OwnWord(tuple(labels), say) for word, (labels, say) in data[table].items()
             }
             for table in ("interjections", "words")
         }
+        tables["censored"] = {sign: tuple(row) for sign, row in data["censored"].items()}
         return cls(**{**data, **tables} | {name: tuple(data[name]) for name in names})
