@@ -22,7 +22,7 @@ from lipsync_lang.plugins.whisper.whisper_recogniser import (
 )
 from lipsync_lang.schedules import SILENCE
 from lipsync_lang.schedules.schedule import Word
-from lipsync_lang.sound.speech.hearing.recognition import _recogniser, recognised
+from lipsync_lang.sound.speech.hearing.recognition import chosen_recogniser, recognised
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 RATE = 16_000
@@ -229,7 +229,7 @@ def test_without_words_the_mouth_follows_the_sound(model, english):
 
 @full
 def test_words_that_are_said_many_times_are_heard(english):
-    if not isinstance(_recogniser(english, None)[0], whisper_recogniser.WhisperRecogniser):
+    if not isinstance(chosen_recogniser(english, None)[0], whisper_recogniser.WhisperRecogniser):
         pytest.skip("no Whisper model is installed")
     text = "Look out behind you. No, no, no, no, no, no, no, no! Get away from the door."
     spoken = ll.speak(text, "english")
@@ -493,7 +493,7 @@ def test_another_language_than_the_models_is_told():
 
 
 def chosen(speaker):
-    return type(_recogniser(speaker, None)[0]).__name__
+    return type(chosen_recogniser(speaker, None)[0]).__name__
 
 
 def test_the_default_is_what_knows_most_of_the_language(monkeypatch):
