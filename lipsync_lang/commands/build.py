@@ -17,6 +17,8 @@ from lipsync_lang.base.terminal import progress, wipe
 from lipsync_lang.commands.output import FAULTS, SOUND, as_options
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_path, flag, option, repeated
+from lipsync_lang.packs.project import find_project, load_project
+from lipsync_lang.production.builds.unchanged import FOLDER, BuildLog, answer, pages_folder
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.yaml.faults import Fault
@@ -75,21 +77,16 @@ class MadeByBuilds:
     def learn(self, project: "ProjectBuild", reports: Iterable[Path]) -> None:
         """Read the current files of a project."""
         from lipsync_lang.production.builds.archives import split_archive
-        from lipsync_lang.production.builds.unchanged import pages_folder
 
-        files = {str(path.absolute()) for path in reports}
-        for line in project.lines:
-            for _, path in line.outputs:
-                split = split_archive(path)
-                files.add(str(project.folder / (path if split is None else split[0])))
-        self._files = frozenset(files)
+        outputs = (path for line in project.lines for _, path in line.outputs)
+        made = (project.folder / (split_archive(path) or (path,))[0] for path in outputs)
+        self._files = frozenset(str(path.absolute()) for path in (*reports, *made))
         self._folders = tuple(f"{pages_folder(path.absolute())}" for path in reports)
 
     def has(self, path: str) -> bool:
         """Return True for a file that builds write."""
         from lipsync_lang.base.files.temporary import SUFFIX
         from lipsync_lang.production.builds.faces import FACE_SUFFIX
-        from lipsync_lang.production.builds.unchanged import FOLDER
 
         at = Path(path)
         return (
@@ -144,8 +141,6 @@ def watch_project(options: Namespace, build: Callable[[StandingRemarks, MadeByBu
 
 def _folders(options: Namespace) -> list[Path]:
     """Return the folders with the inputs of the current project."""
-    from lipsync_lang.packs.project import find_project, load_project
-
     file = find_project()
     folder = (file or Path.cwd() / "none").absolute().parent
     # Without a project, the folder is watched all the same: it may get one.
@@ -205,26 +200,18 @@ def build(options: Namespace) -> int:
     """Make the lines that changed since the last build, and report on all lines."""
     if options.watch:
         return watch_project(options, partial(_once, options))
-    from lipsync_lang.packs.project import find_project
-    from lipsync_lang.production.builds.unchanged import answer
-
     file, part = find_project(), options.shard.replace("/", "-of-") if options.shard else ""
     said = None if file is None else answer(file.absolute().parent, part, options)
     if said is None:
         return _once(options, StandingRemarks(), MadeByBuilds())
-    for remark in said["remarks"]:
-        print(remark, file=sys.stderr)
+    _tell_all([*said["remarks"], *said["words"]])
     if options.json:
         BuildTeller(as_events=True)("end", said["figures"])
-    else:
-        _tell_all(said["words"])
     return SOUND if said["passed"] else FAULTS
 
 
 def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> int:
-    from lipsync_lang.production.builds.unchanged import BuildLog
-
-    log = BuildLog()
+    log = BuildLog((find_project() or Path("none")).absolute().parent)
     from lipsync_lang.production.builds.build_run import locked, make
     from lipsync_lang.production.builds.faces import write_faces
     from lipsync_lang.production.builds.keeping import prune
@@ -253,27 +240,28 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
         remarks(str(fault))
     # A dry run writes nothing, and may look at a project while it is built.
     lock = nullcontext() if options.dry_run else locked(project.folder, teller, part)
-    with lock, Records.open(project.folder, write=not options.dry_run, part=part) as records:
-        teller.begin(f"comparing {len(project.lines):,} lines with the last build")
-        plan = project.plan(records, force=options.force, overwrite=options.overwrite)
-        log.listens = not plan.stale
-        if options.dry_run:
-            return _listed(plan, project, as_events=options.json)
-        if project.settings.face_once:
-            write_faces(project.folder, [step.line for step in plan.steps], project.pairs)
-        outcome = make(
-            plan, replace(project.maker, reuse=not options.force), project.pairs, records,
-            workers=options.workers, scheduler=options.scheduler, tell=teller,
-        )  # fmt: skip
-        deleted = prune(plan, project.folder, records) if options.prune else []
-        wipe()
-        figures, over, passed = _report(options, project, outcome, reports, deleted)
-        words = [] if options.json else [*_in_words(figures, over)]
-    if not (plan.stale or deleted or project.unsound):
-        told = list(map(str, remarks.now))
-        said = {"figures": figures, "words": words, "passed": passed, "remarks": told}
-        files = plan.stamps(project.folder)
-        log.keep(records.path.parent, options, said=said, outputs=files, reports=reports)
+    with lock:
+        with Records.open(project.folder, write=not options.dry_run, part=part) as records:
+            teller.begin(f"comparing {len(project.lines):,} lines with the last build")
+            plan = project.plan(records, force=options.force, overwrite=options.overwrite)
+            log.listens = not plan.stale
+            if options.dry_run:
+                return _listed(plan, project, as_events=options.json)
+            if project.settings.face_once:
+                write_faces(project.folder, [step.line for step in plan.steps], project.pairs)
+            outcome = make(
+                plan, replace(project.maker, reuse=not options.force), project.pairs, records,
+                workers=options.workers, scheduler=options.scheduler, tell=teller,
+            )  # fmt: skip
+            deleted = prune(plan, project.folder, records) if options.prune else []
+            wipe()
+            figures, over, passed = _report(options, project, outcome, reports, deleted)
+            words = [] if options.json else [*_in_words(figures, over)]
+        if not (plan.stale or deleted or project.unsound):
+            told = list(map(str, remarks.now))
+            said = {"figures": figures, "words": words, "passed": passed, "remarks": told}
+            files = plan.stamps(project.folder)
+            log.keep(records.path.parent, options, said=said, outputs=files, reports=reports)
     if options.json:
         teller("end", figures)
     elif outcome.built or remarks.changed or not options.watch:
@@ -398,8 +386,7 @@ def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
     if figures["doubted"]:
         told = f"{count(figures['doubted'], 'line')} doubtful: past a recommended limit of the face"
         yield f"{told}, or unlike the recording; `limits` in the project make them fail the build"
-    if figures["deleted"]:
-        deleted = figures["deleted"]
+    if deleted := figures["deleted"]:
         yield f"{count(len(deleted), 'file')} deleted: {shortlist(deleted, MAX_NAMED)}"
     yield from (f"wrote {path}" for path in figures["reports"])
     yield from figures["remarks"][:SHOWN_LINES]
@@ -407,12 +394,9 @@ def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
         yield f"and {len(figures['remarks']) - SHOWN_LINES} more remarks; --json has all"
     if figures["kept"]:
         yield _kept(figures["kept"])
-    if figures["gone"]:
-        gone = figures["gone"]
-        yield (
-            f"{count(len(gone), 'file')} of lines that the script no longer has: "
-            f"{shortlist(gone, MAX_NAMED)}; --prune deletes them"
-        )
+    if gone := figures["gone"]:
+        told = f"{count(len(gone), 'file')} of lines that the script no longer has"
+        yield f"{told}: {shortlist(gone, MAX_NAMED)}; --prune deletes them"
 
 
 def _kept(paths: Any) -> str:

@@ -1,11 +1,13 @@
 """The index of a build without work: the next build answers by it, and reads nothing.
 
-The index lists the files and folders that the build read and left, each with its state, and what
-the build said. While all states and the options are the same, so is the answer. A file that changed
-shortly before the build may change again without another time, so no index is kept then.
+The index lists the files and folders that the build read and left, each with its state before it
+was read, and what the build said. While all states and the options are the same, so is the answer.
+A file that changed shortly before the build may change again without another time, so no index is
+kept then.
 """
 
 import json
+import logging
 import os
 import sys
 import time
@@ -13,12 +15,14 @@ import warnings
 from argparse import Namespace
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
+from functools import partial
 from hashlib import blake2b
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from lipsync_lang.base.errors import OutputError
+from lipsync_lang.base.files.reach import PATH_VARIABLE
 from lipsync_lang.base.files.writing import atomic
 from lipsync_lang.base.version import __version__
 
@@ -36,6 +40,12 @@ TICK_NANOSECONDS = 2_000_000_000
 LAST_LINE = b"end"
 """First word of the last line, whose second is a digest of all others."""
 
+SHAPE = {"figures": dict, "words": list, "passed": bool, "remarks": list}
+"""Types of the parts of an answer."""
+
+MAX_INDEX_LINE_BYTES = 2**24
+"""Maximum length of a line of the index; a longer one matches nothing."""
+
 READERS = "lipsync_lang.packs.library"
 """Module that a process loads before it reads packs; caches hide what is read after that."""
 
@@ -43,17 +53,21 @@ READERS = "lipsync_lang.packs.library"
 def answer(project: Path, part: str, options: Namespace) -> dict[str, Any] | None:
     """Return what the last build said, if nothing has changed since; None if anything may have."""
     index, whole = project / FOLDER / part / INDEX, blake2b()
-    wrong = OSError, ValueError, KeyError, TypeError, RecursionError
-    with suppress(*wrong), index.open("rb") as lines:
-        first = next(lines, b"")
-        head = json.loads(first)
+    wrong = OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError
+    # A log names what is read; a pipe would never end.
+    if logging.getLogger("lipsync_lang").isEnabledFor(logging.INFO) or not index.is_file():
+        return None
+    with suppress(*wrong), index.open("rb") as stream:
+        lines = iter(partial(stream.readline, MAX_INDEX_LINE_BYTES), b"")
+        head = json.loads(first := next(lines, b""))
         if head["key"] != _key(options):
             return None
         whole.update(first)
         for line in lines:
             known, _, path = line[:-1].partition(b"\t")
             if known == LAST_LINE:
-                return dict(head["said"]) if path.decode() == whole.hexdigest() else None
+                fits = {name: type(value) for name, value in head["said"].items()} == SHAPE
+                return head["said"] if fits and path.decode() == whole.hexdigest() else None
             if known != (_folder_state if known[:1] == b"d" else _file_state)(os.fsdecode(path)):
                 return None
             whole.update(line)
@@ -61,16 +75,20 @@ def answer(project: Path, part: str, options: Namespace) -> dict[str, Any] | Non
 
 
 class BuildLog:
-    """Files that a process reads from the start of a build, and folders that it lists."""
+    """Files that a process reads from the start of a build, and folders that it lists.
 
-    def __init__(self) -> None:
-        self.start = time.time_ns()
-        self.files: dict[str, None] = {}
-        self.folders: dict[str, bytes] = {}
+    Names in the current folder and in the `folder` of the project are tried without a list of it,
+    and a folder of LIPSYNC_LANG_PATH may be made later.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.settled = time.time_ns() - TICK_NANOSECONDS
+        self.states: dict[tuple[str, bool], bytes] = {}
         # A process that has read packs before does not read all of them again.
         self.whole = self.listens = READERS not in sys.modules
         if self.whole:
-            self._note("os.scandir", ("",))  # names in it are tried without a list of it
+            for place in ("", folder, *os.environ.get(PATH_VARIABLE, "").split(os.pathsep)):
+                self._note("os.scandir", (place,))
             sys.addaudithook(self._note)
             self._show, warnings.showwarning = warnings.showwarning, self._warn
 
@@ -90,27 +108,25 @@ class BuildLog:
         self.listens = False
         if not self.whole:
             return
-        settled = self.start - TICK_NANOSECONDS
-        modules = (getattr(one, "__file__", None) or "" for one in list(sys.modules.values()))
-        sources = (path for path in modules if "lipsync_lang" in path)
-        read = (path for path in (*self.files, *sources) if not path.endswith(".pyc"))
+        modules = (getattr(one, "__file__", None) for one in list(sys.modules.values()))
         states = chain(
-            ((state, path) for path, state in self.folders.items()),
-            ((_file_state(path, settled), path) for path in read),
-            ((_file_state(path, settled, stamp), path) for path, stamp in outputs),
+            ((state, path) for (path, _), state in self.states.items()),
+            ((_file_state(path, self.settled), path) for path in filter(None, modules)),
+            ((_file_state(path, self.settled, stamp), path) for path, stamp in outputs),
             ((_file_state(str(path)), str(path)) for path in self._written(own, reports)),
         )
-        head = {"key": _key(options), "said": said}
-        whole = blake2b()
-        with suppress(OutputError), atomic(own / INDEX) as stream:
-            for line in chain([json.dumps(head).encode()], map(_line, states)):
-                whole.update(line + b"\n")
-                stream.write(line + b"\n")
-            stream.write(b"%s\t%s\n" % (LAST_LINE, whole.hexdigest().encode()))
+        head, whole = {"key": _key(options), "said": said}, blake2b()
+        with suppress(OutputError, OSError):
+            (own / INDEX).unlink(missing_ok=True)  # it may be a link to any file, or a pipe
+            with atomic(own / INDEX) as stream:
+                for line in chain([json.dumps(head).encode()], map(_line, states)):
+                    whole.update(line + b"\n")
+                    stream.write(line + b"\n")
+                stream.write(b"%s\t%s\n" % (LAST_LINE, whole.hexdigest().encode()))
 
     def _written(self, own: Path, reports: Iterable[Path]) -> Iterator[Path]:
-        """Yield the record, and the reports with their pages."""
-        yield own / RECORDS_FILE
+        """Yield the record, its part that a killed build leaves, and the reports with pages."""
+        yield from (own / RECORDS_FILE, own / f"{RECORDS_FILE}-wal")
         for report in reports:
             yield report
             yield from pages_folder(report).rglob("*")
@@ -126,13 +142,11 @@ class BuildLog:
         if isinstance(path, int) or (event == "open" and given[2] & (os.O_WRONLY | os.O_RDWR)):
             return
         place = os.path.abspath(os.fsdecode(path))  # noqa: PTH100 thousands of files
-        if place.endswith(FOLDER):
-            return
-        if event == "open":
-            self.files[place] = None
-        elif place not in self.folders:
-            self.folders[place] = b""  # a list of it, made here, is an event as well
-            self.folders[place] = _folder_state(place)
+        noted, state = (place, event == "open"), _file_state if event == "open" else _folder_state
+        # Sources stand for their compiled forms.
+        if noted not in self.states and not place.endswith((f"{os.sep}{FOLDER}", ".pyc")):
+            self.states[noted] = b""  # a list of it, made here, is an event as well
+            self.states[noted] = state(place, self.settled)
 
 
 def pages_folder(report: Path) -> Path:
@@ -143,7 +157,7 @@ def pages_folder(report: Path) -> Path:
 def _key(options: Namespace) -> str:
     """Return a digest of all that an answer depends on, beside files."""
     stated = {name: value for name, value in vars(options).items() if not callable(value)}
-    named = {name for name in os.environ if name.startswith(("LIPSYNC_LANG_", "PYTHON"))}
+    named = {name for name in os.environ if name.startswith(("LIPSYNC_LANG_", "PYTHON", "XDG_"))}
     variables = [(name, os.environ.get(name)) for name in sorted({*named, "PATH", "HOME"})]
     whole = (__version__, sys.version, sys.path, str(Path.cwd()), variables, sorted(stated.items()))
     return blake2b(repr(whole).encode("utf-8", "surrogatepass")).hexdigest()
@@ -160,29 +174,33 @@ def _line(found: tuple[bytes, str]) -> bytes:
 def _file_state(
     path: str, settled: int | None = None, stamp: tuple[int, int] | None = None
 ) -> bytes:
-    """Return the size and times of a file, or `f` without one.
+    """Return the size, times and number of a file, or `f` without one.
 
     The text is empty if the file changed after the time `settled`, and has not the size and time
-    of the `stamp`.
+    of the `stamp`, or if a file with a stamp is gone. A link that leads elsewhere, or a folder of
+    another name, may hold files of one size that were unpacked at once: their numbers differ.
     """
     try:
         stat = os.stat(path)  # noqa: PTH116 thousands of files
     except (OSError, ValueError):
-        return b"f"
+        return b"f" if stamp is None else b""
     late = settled is not None and max(stat.st_mtime_ns, stat.st_ctime_ns) > settled
     if late and stamp != (stat.st_size, stat.st_mtime_ns):
         return b""
-    return b"f %d %d %d" % (stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns)
+    return b"f %d %d %d %d" % (stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns, stat.st_ino)
 
 
-def _folder_state(path: str) -> bytes:
+def _folder_state(path: str, settled: int | None = None) -> bytes:
     """Return a digest of the names in a folder, and of the times of the folders in it.
 
-    A pack may be a file in a folder of its own. Hidden folders change with each build.
+    A pack may be a file in a folder of its own. Hidden folders change with each build. The text is
+    empty if a folder in it changed after the time `settled`.
     """
     found: list[tuple[str, int]] = []
     with suppress(OSError), os.scandir(path) as entries:
         shown = (one for one in entries if not one.name.startswith((".", "__pycache__")))
         found = sorted((one.name, one.stat().st_mtime_ns if one.is_dir() else 0) for one in shown)
+    if settled is not None and any(changed > settled for _, changed in found):
+        return b""
     whole = repr(found).encode("utf-8", "surrogatepass")
     return b"d " + blake2b(whole, digest_size=16).hexdigest().encode()

@@ -1,16 +1,22 @@
 """A build without work leaves an index, and the next one answers by it if nothing changed."""
 
+import importlib
 import json
+import logging
 import os
 import subprocess
 import sys
 import warnings
 from argparse import Namespace
+from contextlib import contextmanager
+from hashlib import blake2b
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from build_project import BANK, Game
 
-from lipsync_lang.production.builds import planning, unchanged
+from lipsync_lang.production.builds import build_run, planning, unchanged
 from lipsync_lang.production.builds.project_build import ProjectBuild
 
 BUILD = """
@@ -109,6 +115,9 @@ CHANGES = {
     "an output that is gone": lambda game: (game.folder / "takes/low.csv").unlink(),
     "an output that was edited": lambda game: game.write("takes/low.csv", "mine"),
     "a report that is gone": lambda game: (game.folder / "out.html").unlink(),
+    "a record that a killed build left": lambda game: game.write(
+        ".lipsync_lang/build.sqlite-wal", "x"
+    ),
     "a record that is gone": lambda game: (game.folder / ".lipsync_lang/build.sqlite").unlink(),
 }
 
@@ -124,8 +133,114 @@ def test_a_change_of_options_or_variables_is_noticed(answered, monkeypatch):
     _, ask = answered
     assert ask(force=True) is None
     assert ask(only=["low"]) is None
+    monkeypatch.setenv("XDG_STATE_HOME", "elsewhere")  # names the folders that the user allows
+    assert ask() is None
+    monkeypatch.delenv("XDG_STATE_HOME")
     monkeypatch.setenv("LIPSYNC_LANG_PATH", "elsewhere")
     assert ask() is None
+
+
+def test_a_log_is_written_again(answered):
+    _, ask = answered
+    log = logging.getLogger("lipsync_lang")
+    log.setLevel(logging.DEBUG)
+    try:
+        assert ask() is None
+    finally:
+        log.setLevel(logging.NOTSET)
+    assert ask() is not None
+
+
+@pytest.mark.parametrize("path", ["vo/low.json", "takes/low.csv"])
+def test_a_file_that_went_during_the_build_is_missed(answered, monkeypatch, path):
+    game, ask = answered
+    plan = ProjectBuild.plan
+
+    def lost(*given, **named):
+        found = plan(*given, **named)
+        (game.folder / path).unlink()
+        return found
+
+    monkeypatch.setattr(ProjectBuild, "plan", lost)
+    game.write(".lipsync_lang/unchanged.txt", "")
+    game.build()
+    assert ask() is None
+
+
+def test_a_file_that_changed_during_the_build_is_noticed_whatever_the_clock(answered, monkeypatch):
+    game, ask = answered
+    plan = ProjectBuild.plan
+
+    def changed(*given, **named):
+        found = plan(*given, **named)
+        game.script(["low"])
+        return found
+
+    with monkeypatch.context() as slow:
+        # The clock of a server may be late, and then the file looks old.
+        slow.setattr(unchanged, "TICK_NANOSECONDS", -(10**12))
+        slow.setattr(ProjectBuild, "plan", changed)
+        game.write(".lipsync_lang/unchanged.txt", "")
+        game.build()
+    assert ask() is None
+
+
+def test_a_code_of_a_plug_in_that_changed_is_noticed(game, monkeypatch, request):
+    game.write("code/my_plug_in.py", "low = 1")
+    monkeypatch.syspath_prepend(str(game.folder / "code"))
+    importlib.import_module("my_plug_in")
+    monkeypatch.setitem(sys.modules, "my_plug_in", sys.modules["my_plug_in"])
+    _, ask = request.getfixturevalue("answered")
+    game.write("code/my_plug_in.py", "map = 1")
+    assert ask() is None
+
+
+def test_the_index_is_kept_while_other_builds_wait(game, monkeypatch):
+    done = []
+
+    @contextmanager
+    def locked(*_given):
+        yield
+        done.append("released")
+
+    monkeypatch.setattr(build_run, "locked", locked)
+    monkeypatch.setattr(unchanged.BuildLog, "keep", lambda *_, **__: done.append("kept"))
+    game.build()
+    game.build()
+    assert done == ["released", "kept", "released"]
+
+
+def test_folders_where_names_are_tried_are_listed(tmp_path, monkeypatch):
+    monkeypatch.setattr(unchanged, "READERS", "no.such.module")
+    below, packs = tmp_path / "below", tmp_path / "packs.lipsync_lang"
+    below.mkdir()
+    packs.mkdir()
+    monkeypatch.chdir(below)
+    monkeypatch.setenv("LIPSYNC_LANG_PATH", str(tmp_path / "later"))
+    log = unchanged.BuildLog(tmp_path)
+    assert list(packs.iterdir()) == []
+    log.listens = False
+    assert {tmp_path, below, packs, tmp_path / "later"} <= {Path(path) for path, _ in log.states}
+
+
+def test_files_of_one_size_and_time_differ_by_their_numbers(monkeypatch):
+    stated = {"st_size": 1, "st_mtime_ns": 2, "st_ctime_ns": 3}
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "stat", lambda path: SimpleNamespace(**stated, st_ino=len(path)))
+        states = {unchanged._file_state(path) for path in ("vo", "old")}  # noqa: SLF001
+    assert len(states) == 2
+
+
+def test_an_output_that_is_gone_is_not_trusted(tmp_path):
+    gone = str(tmp_path / "low.csv")
+    assert unchanged._file_state(gone, 0, (5, 6)) == b""  # noqa: SLF001
+    assert unchanged._file_state(gone, 0) != b""  # noqa: SLF001
+
+
+def test_a_folder_whose_inner_folder_changed_late_is_not_trusted(tmp_path):
+    (tmp_path / "inner").mkdir()
+    assert unchanged._folder_state(str(tmp_path), settled=0) == b""  # noqa: SLF001
+    assert unchanged._folder_state(str(tmp_path), settled=2**63) != b""  # noqa: SLF001
 
 
 def test_a_file_that_changed_shortly_before_the_build_is_not_trusted(game, monkeypatch):
@@ -154,7 +269,17 @@ def test_a_build_that_warned_warns_again(game, monkeypatch):
     assert not (game.folder / ".lipsync_lang/unchanged.txt").exists()
 
 
+def forged(old):
+    """Return an index of wrong types whose digest is right."""
+    first, *lines, _ = old.splitlines(keepends=True)
+    head = json.loads(first)
+    head["said"]["remarks"] = 5
+    lines = [json.dumps(head).encode() + b"\n", *lines]
+    return b"".join([*lines, b"end\t", blake2b(b"".join(lines)).hexdigest().encode(), b"\n"])
+
+
 DAMAGES = {
+    "wrong types": forged,
     "cut": lambda old: old[:-5],
     "empty": lambda old: old[:0],
     "deep": lambda old: b"[" * len(old),
@@ -170,3 +295,25 @@ def test_a_damaged_index_answers_nothing(answered, damage):
     path = game.folder / ".lipsync_lang/unchanged.txt"
     path.write_bytes(damage(path.read_bytes()))
     assert ask() is None
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no named pipes")
+def test_a_pipe_in_place_of_the_index_answers_nothing(answered):
+    game, ask = answered
+    path = game.folder / ".lipsync_lang/unchanged.txt"
+    path.unlink()
+    os.mkfifo(path)
+    assert ask() is None
+    game.build()
+    assert ask() is not None
+
+
+def test_a_link_in_place_of_the_index_is_replaced(answered):
+    game, ask = answered
+    path = game.folder / ".lipsync_lang/unchanged.txt"
+    path.unlink()
+    game.write("mine.txt", "mine")
+    path.symlink_to(game.folder / "mine.txt")
+    game.build()
+    assert ask() is not None
+    assert (game.folder / "mine.txt").read_text() == "mine"
