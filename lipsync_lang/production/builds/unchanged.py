@@ -46,6 +46,9 @@ SHAPE = {"figures": dict, "words": list, "passed": bool, "remarks": list}
 MAX_INDEX_LINE_BYTES = 2**24
 """Maximum length of a line of the index; a longer one matches nothing."""
 
+SYSTEM = ("/proc/", "/sys/", "/dev/")
+"""Folders of the system, whose contents change with each look and are no input."""
+
 READERS = "lipsync_lang.packs.library"
 """Module that a process loads before it reads packs; caches hide what is read after that."""
 
@@ -144,7 +147,8 @@ class BuildLog:
         place = os.path.abspath(os.fsdecode(path))  # noqa: PTH100 thousands of files
         noted, state = (place, event == "open"), _file_state if event == "open" else _folder_state
         # Sources stand for their compiled forms.
-        if noted not in self.states and not place.endswith((f"{os.sep}{FOLDER}", ".pyc")):
+        unread = place.endswith((f"{os.sep}{FOLDER}", ".pyc")) or place.startswith(SYSTEM)
+        if noted not in self.states and not unread:
             self.states[noted] = b""  # a list of it, made here, is an event as well
             self.states[noted] = state(place, self.settled)
 

@@ -90,6 +90,17 @@ def test_a_folder_of_builds_is_left_as_it_is(answered):
     assert {path: path.stat().st_mtime_ns for path in game.folder.rglob("*")} == before
 
 
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="the system has no /proc")
+def test_a_look_at_the_system_is_no_input(tmp_path, monkeypatch):
+    monkeypatch.setattr(unchanged, "READERS", "no.such.module")
+    log = unchanged.BuildLog(tmp_path)
+    list(Path("/proc/self/fd").iterdir())
+    list(tmp_path.parent.iterdir())
+    log.listens = False
+    assert (str(tmp_path.parent), False) in log.states
+    assert not any(path.startswith("/proc/") for path, _ in log.states)
+
+
 def edit_of_equal_length(game):
     path = game.folder / "vo/low.json"
     stat = path.stat()
