@@ -308,3 +308,27 @@ def test_every_sound_that_a_solved_set_targets_has_a_mouth_or_takes_its_neighbou
     }
     idle = {COMMON.silence, *(n for n, one in SOUNDS.items() if "neighbours" in one.title)}
     assert without <= idle
+
+
+MADE_HEAD = {
+    "jawOpen": (0.502, -0.03, -0.152, 0.428), "jawForward": (0.018, 0.022, 0.074, 0.023),
+    "mouthClose": (-0.57, 0, 0.139, -0.069), "mouthFunnel": (0.29, -0.049, 0.131, 0.066),
+    "mouthPucker": (0.135, -0.083, 0.277, -0.024), "mouthRollLower": (-0.119, 0, -0.073, -0.003),
+    "mouthRollUpper": (-0.052, 0.002, -0.08, 0), "mouthPress": (-0.028, 0, 0.002, -0.031),
+    "mouthLowerDown": (0.051, 0.005, -0.006, 0.026), "mouthUpperUp": (0.058, -0.003, -0.003, 0),
+    "mouthShrugUpper": (0.094, 0, 0.008, 0), "mouthStretch": (-0.008, 0.025, -0.014, -0.008),
+    "tongueOut": (0, 0, 0, 0),
+}  # fmt: skip
+"""Measures of the shapes of a head by `heads ict`, without their sides."""
+
+
+def test_teeth_meet_in_a_sibilant():
+    """From a chin that falls by 0.06 widths of the mouth on, both rows of teeth stand apart."""
+    poseset = LIBRARY.poseset("arkit").model
+    gains = np.transpose(
+        [MADE_HEAD[pose.removesuffix("Left").removesuffix("Right")] for pose in poseset.poses]
+    )
+    solver = _FaceToSolve.of(poseset, gains)
+    found = targets(poseset, gains)
+    for name, most in (("s", 0.055), ("sh", 0.035)):
+        assert (gains @ solver.weights(found[name][0]))[-1] < most

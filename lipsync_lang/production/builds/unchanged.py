@@ -50,7 +50,7 @@ SYSTEM = ("/proc/", "/sys/", "/dev/")
 """Folders of the system, whose contents change with each look and are no input."""
 
 READERS = "lipsync_lang.packs.library"
-"""Module that a process loads before it reads packs; caches hide what is read after that."""
+"""Module of the reader of packs: a process that has loaded it may have read packs before."""
 
 
 def answer(project: Path, part: str, options: Namespace) -> dict[str, Any] | None:

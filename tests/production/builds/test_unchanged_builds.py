@@ -31,7 +31,7 @@ sys.exit(code)
 
 
 def build_apart(*arguments):
-    """Build in a process of its own; return its exit code, events, words and what it read."""
+    """Run a build in a process of its own; return its code, events, messages and read files."""
     command = [sys.executable, "-c", BUILD, *arguments]
     done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=120, check=False)
     *events, read = done.stdout.splitlines()
