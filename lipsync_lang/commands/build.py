@@ -70,9 +70,8 @@ class StandingRemarks:
 class MadeByBuilds:
     """The files that builds of a project write, which are not a reason for another build."""
 
-    def __init__(self) -> None:
-        self._files: frozenset[str] = frozenset()
-        self._folders: tuple[str, ...] = ()
+    _files: frozenset[str] = frozenset()
+    _folders: tuple[str, ...] = ()
 
     def learn(self, project: "ProjectBuild", reports: Iterable[Path]) -> None:
         """Read the current files of a project."""
@@ -260,8 +259,8 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
         if not (plan.stale or deleted or project.unsound):
             told = list(map(str, remarks.now))
             said = {"figures": figures, "words": words, "passed": passed, "remarks": told}
-            files = plan.stamps(project.folder)
-            log.keep(records.path.parent, options, said=said, outputs=files, reports=reports)
+            outputs = plan.stamps(project.folder)
+            log.keep(records.path.parent, options, said=said, outputs=outputs, reports=reports)
     if options.json:
         teller("end", figures)
     elif outcome.built or remarks.changed or not options.watch:

@@ -9,12 +9,14 @@ import json
 import os
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from io import TextIOWrapper
 from pathlib import Path
+from shutil import copyfileobj
 from tempfile import TemporaryFile
-from typing import NamedTuple, TextIO
+from typing import BinaryIO, NamedTuple, TextIO
 from urllib.parse import quote
 
 from lipsync_lang.animations.animation_writers import WRITERS
@@ -22,6 +24,7 @@ from lipsync_lang.base.arrays import Ints
 from lipsync_lang.base.errors import LipsyncError, OutputError, count
 from lipsync_lang.base.files.quoting import shell_command
 from lipsync_lang.base.files.reach import refuse_outside
+from lipsync_lang.base.files.reading import read_blocks
 from lipsync_lang.base.files.writing import atomic, cannot_write
 from lipsync_lang.base.presentation.junit import JunitCase, JunitSuite, junit_text
 from lipsync_lang.base.presentation.pages import CHART_HEIGHT, PageEnvironment
@@ -166,13 +169,26 @@ def write_report(
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise cannot_write(path.parent, error) from None
-        with atomic(path) as out:
-            text = TextIOWrapper(out, "utf-8", "backslashreplace", newline="", write_through=True)
+        with TemporaryFile() as made:
+            text = TextIOWrapper(made, "utf-8", "backslashreplace", newline="")
             write(text, tally)
-            # `detach` hands back the stream of `atomic`, which a closed wrapper would close as
-            # well.
-            text.flush()
             text.detach()
+            _put(path, made)
+
+
+def _put(path: Path, made: BinaryIO) -> None:
+    """Write a file, unless it has this content already: its folder keeps its time then."""
+    size = made.tell()
+    made.seek(0)
+    with suppress(OSError):
+        if path.is_file() and path.stat().st_size == size:
+            # A file that a build opens to read is an input of it.
+            with path.open("r+b") as old:
+                if all(block == made.read(len(block)) for block in read_blocks(old, size)):
+                    return
+    made.seek(0)
+    with atomic(path) as out:
+        copyfileobj(made, out)
 
 
 class JsonReport:
@@ -266,16 +282,14 @@ class JunitReport:
         if line.left_out:
             self._left_out[suite].append(f"{place}: {name} lacks {', '.join(line.left_out)}")
 
-    def write(self, out: TextIO, tally: BuildTally) -> None:
-        """Write the suites."""
-        del tally  # cases are counted as they are written
+    def write(self, out: TextIO, _: BuildTally) -> None:
+        """Write the suites; cases are counted as they are written."""
         suites = [
             JunitSuite(name, cases, output="\n".join(self._left_out[name]))
             for name, cases in self._cases.items()
         ]
         counts = ("tests", "errors", "failures", "skipped")
-        heading = self._heading
-        out.write(junit_text(suites, heading.project, counts, heading.seconds) + "\n")
+        out.write(junit_text(suites, self._heading.project, counts, self._heading.seconds) + "\n")
 
 
 class Bars(NamedTuple):
@@ -346,11 +360,8 @@ class WorstRow:
     @cached_property
     def shown(self) -> list[tuple[str, JudgedFigure]]:
         """The figures over their limits with a state; else the one that is nearest to its own."""
-        over = [("s4", one) for one in self.built.failed]
-        over += [
-            ("s1", f) for f in self.built.figures if not f.passed and f not in self.built.failed
-        ]
-        ordered = sorted(over, key=lambda pair: -share_of_limit(pair[1]))
+        over = [("s4" if f.binding else "s1", f) for f in self.built.figures if not f.passed]
+        ordered = sorted(over, key=lambda one: (-share_of_limit(one[1]), not one[1].binding))
         if ordered or self.built.outcome == "failed":
             return ordered
         limited = [f for f in self.built.figures if share_of_limit(f) > 0]

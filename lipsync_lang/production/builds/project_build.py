@@ -232,12 +232,10 @@ class ProjectBuild:
             made.adapt(read, remark)
         made.check_outputs(faults)
         faults.raise_any()
-        weak: dict[str, None] = {}  # unreliable readings of languages, for lines without timings
-        for line in lines:
-            needs = made.pairs.get((line.language, line.character))
-            if line.timings is None and needs and (why := needs.performer.speaker.manner.weak):
-                weak[why] = None
-        for why in weak:
+        untimed = {(one.language, one.character) for one in lines if one.timings is None}
+        spoken = [pair for names, pair in made.pairs.items() if names in untimed]
+        weak = dict.fromkeys(pair.performer.speaker.manner.weak for pair in spoken)
+        for why in filter(None, weak):  # unreliable readings of languages
             remark(why)
         return made
 

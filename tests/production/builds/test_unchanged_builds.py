@@ -16,6 +16,7 @@ from types import SimpleNamespace
 import pytest
 from build_project import BANK, Game
 
+from lipsync_lang.cli import main
 from lipsync_lang.production.builds import build_run, planning, unchanged
 from lipsync_lang.production.builds.project_build import ProjectBuild
 
@@ -81,6 +82,28 @@ def test_a_build_that_reads_nothing_says_the_same():
     assert [one[3] for one in read] == ["read packs", "read nothing", "read nothing"]
     assert read[0][:3] == read[1][:3] == read[2][:3]
     assert json.loads(read[0][1][-1])["current"] == 4
+
+
+def test_a_report_in_a_folder_of_its_own_is_left_as_it_is(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "game", "-q"]) == 0
+    monkeypatch.chdir(tmp_path / "game")
+    stated, report = Path("lipsync.yaml").read_text("utf-8"), Path("build/report.xml")
+    wanted = "reports: [build/report.html, build/report.xml, build/report.json]"
+    assert "\nreports: build/report.html\n" in stated
+    Path("lipsync.yaml").write_text(stated.replace("reports: build/report.html", wanted), "utf-8")
+    said = "--json", "--tts", "none"
+    read = [build_apart(*said)[3] for _ in range(2)]  # the second one counts no line as built
+    paths = [report.parent, *report.parent.iterdir()]
+    changed = [path.stat().st_mtime_ns for path in paths]
+    read += [build_apart(*said)[3] for _ in range(2)]
+    assert read == [*["read packs"] * 3, "read nothing"]
+    assert len(paths) == 4
+    assert [path.stat().st_mtime_ns for path in paths] == changed
+    content = report.read_bytes()
+    report.write_bytes(content.swapcase())
+    build_apart(*said)
+    assert report.read_bytes() == content
 
 
 def test_a_folder_of_builds_is_left_as_it_is(answered):
