@@ -11,7 +11,6 @@ much too sure.
 T frames, N phones, G groups.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -141,11 +140,12 @@ class Smoother:
             self._likely.append(likely)
             if len(self._beliefs) > self.lag:
                 found.append(self._oldest())
-        return self._stacked(found)
+        return np.reshape(found, (-1, *self._now.shape))
 
     def finish(self) -> Floats:
         """Return the belief of the last frames."""
-        return self._stacked([self._oldest() for _ in range(len(self._beliefs))])
+        found = [self._oldest() for _ in range(len(self._beliefs))]
+        return np.reshape(found, (-1, *self._now.shape))
 
     def _oldest(self) -> Floats:
         belief = self._beliefs.pop(0)
@@ -158,9 +158,6 @@ class Smoother:
             after = self.loop.backward(after, likely)
         belief = belief * after
         return belief / belief.sum()
-
-    def _stacked(self, found: Sequence[Floats]) -> Floats:
-        return np.stack(found) if found else np.zeros((0, *self._now.shape))
 
 
 def smoothed(loop: PhoneLoop, scores: Singles) -> Floats:

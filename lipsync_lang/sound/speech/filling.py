@@ -7,7 +7,7 @@ their proportions, estimated or found in a recording, and fill the word's time.
 
 import re
 import unicodedata
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import accumulate
 from pathlib import Path
@@ -95,9 +95,8 @@ def filled(speaker: Speaker, timed: TimedWords, *, audio: SoundSource | None = N
             dense = _UNSPACED_CHAR.match(texts[-1][-1]) and _UNSPACED_CHAR.match(word.text)
             phrases[-1].append(word)
             texts[-1] += word.text if dense else f" {word.text}"
-    whole: list[Schedule | SpeechError]
-    whole = list(speaker.speak_many(texts, engine=NO_ENGINE))
-    heard = [] if sound is None else _heard(speaker, phrases, texts, sound)
+    whole: list[Schedule | SpeechError] = list(speaker.speak_many(texts, engine=NO_ENGINE))
+    heard = [] if sound is None else [*_heard(speaker, phrases, texts, sound)]
     for number, schedule in heard:
         whole[number] = schedule
     shares = [one for pair in zip(phrases, whole, strict=True) for one in _shares(*pair)]
@@ -115,14 +114,13 @@ def filled(speaker: Speaker, timed: TimedWords, *, audio: SoundSource | None = N
 
 def _heard(
     speaker: Speaker, phrases: Sequence[Sequence[TimedWord]], texts: Sequence[str], sound: Audio
-) -> list[tuple[int, Schedule]]:
-    """Align each phrase with its part of the sound, and return the results by number."""
+) -> Iterator[tuple[int, Schedule]]:
+    """Align each phrase with its part of the sound, and yield the results by number."""
     cuts = []
     for words, text in zip(phrases, texts, strict=True):
         low = max(words[0].start - PHRASE_MARGIN_SECONDS, 0.0) * sound.rate
         high = (words[-1].end + PHRASE_MARGIN_SECONDS) * sound.rate
         cuts.append((replace(sound, samples=sound.samples[round(low) : round(high)]), text))
-    found: list[tuple[int, Schedule]] = []
     manner = speaker.manner
     for number, one in enumerate(align_many(speaker, cuts)):
         if isinstance(one, SpeechError) or (
@@ -133,8 +131,7 @@ def _heard(
             # An aligner may have labels of its own; the words of a phrase have one notation.
             (read,) = speaker.transcribe([texts[number]])
             one = join(read, one, manner, speaker.notations)  # noqa: PLW2901
-        found.append((number, one))
-    return found
+        yield number, one
 
 
 def _shares(words: Sequence[TimedWord], read: Schedule | SpeechError) -> list[WordPhonemes]:
@@ -148,10 +145,8 @@ def _shares(words: Sequence[TimedWord], read: Schedule | SpeechError) -> list[Wo
     spoken = [_letters(word.text) for word in read.words]
     if "".join(given) != "".join(spoken):
         return [None] * len(words)
-    ends = accumulate(map(len, spoken), initial=0)
-    starts: dict[int, int] = {}
-    for number, end in enumerate(ends):
-        starts.setdefault(end, number)
+    ends = [*accumulate(map(len, spoken), initial=0)]
+    starts = {end: number for number, end in reversed([*enumerate(ends)])}
     shares: list[WordPhonemes] = []
     for at, letters in zip(accumulate(map(len, given), initial=0), given, strict=False):
         first, stop = starts.get(at), starts.get(at + len(letters))

@@ -5,7 +5,7 @@ language reads the word, and its phonemes fill the time of the word in their est
 They are spelled in the notation of the other labels.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -78,35 +78,23 @@ def _spelled(word: Schedule, to: str, notations: Mapping[str, Notation]) -> Sche
 
 def _filled(schedule: Schedule, inside: Mapping[int, Schedule]) -> Schedule:
     """Replace the labels of words, each over the time of its word."""
-    labels: list[str] = []
-    times: list[float] = []
-    stress: list[int | None] = []
-    marks: Sequence[int | None] = schedule.stress or (None,) * len(schedule)
-    starts = {schedule.words[n].first: n for n in inside}
-    moved = [0] * (len(schedule) + 1)
-    at = 0
-    while at < len(schedule):
-        moved[at] = len(labels)
-        number = starts.get(at)
-        if number is None:
-            labels.append(schedule.labels[at])
-            times.append(float(schedule.times[at]))
-            stress.append(marks[at])
-            at += 1
-            continue
-        word, stop = inside[number], schedule.words[number].stop
+    labels, times = [*schedule.labels], schedule.times.tolist()
+    stress = [*(schedule.stress or (None,) * len(schedule))]
+    moved = np.arange(len(times))
+    # From the last on, so that the numbers of those before still count.
+    for number, word in sorted(inside.items(), reverse=True):
+        first, stop = schedule.words[number].first, schedule.words[number].stop
+        begin, end = schedule.times[[first, stop]]
         steps = (word.times[:-1] - word.start) / (word.end - word.start)
-        begin, length = schedule.times[at], schedule.times[stop] - schedule.times[at]
-        labels += word.labels
-        times += (begin + steps * length).tolist()
-        stress += word.stress or (None,) * len(word)
-        at = stop
-    moved[len(schedule)] = len(labels)
-    words = (replace(one, first=moved[one.first], stop=moved[one.stop]) for one in schedule.words)
+        times[first:stop] = (begin + steps * (end - begin)).tolist()
+        labels[first:stop], stress[first:stop] = word.labels, word.stress or (None,) * len(word)
+        moved[stop:] += len(word) - (stop - first)
+    at = moved.tolist()
+    words = (replace(one, first=at[one.first], stop=at[one.stop]) for one in schedule.words)
     return replace(
         schedule,
         labels=tuple(labels),
-        times=np.array([*times, schedule.end]),
+        times=np.array(times),
         words=tuple(words),
         stress=tuple(stress) if any(mark is not None for mark in stress) else (),
         lines=(),

@@ -17,7 +17,7 @@ from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.packs.finding import Paths
 from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, Audio, Schedule
 from lipsync_lang.sound.speech.hearing.align.aligners import ALIGNERS, Aligner, BatchAligner
-from lipsync_lang.sound.speech.results import WrongTextError, exhaust, next_result, raised
+from lipsync_lang.sound.speech.results import WrongTextError, exhaust, next_result, raised, tried
 from lipsync_lang.sound.speech.sound import SoundSource, sound_of
 from lipsync_lang.sound.speech.speaking.speaker import NO_VALUES, PlaceholderValues, Speaker
 from lipsync_lang.sound.speech.speaking.transcripts import SureText, WrittenText, as_written, silent
@@ -55,11 +55,7 @@ def engine_and_model(
     """
     name, own = _parted(named)
     default, default_model = _parted(stated)
-    if name is None or name == default:
-        name, model = default, own or default_model or model
-    else:
-        model = own
-    return name, model
+    return (default, own or default_model or model) if name in (None, default) else (name, own)
 
 
 def _parted(spelling: str | None) -> tuple[str | None, str | None]:
@@ -180,7 +176,8 @@ def align_many(
     found = engines[0].all(sounding, speaker)
     waiting: list[AlignmentAttempt] = []
     for sound, text in ours:
-        first = _rest(speaker, sound, text) if text.silent else next_result(found)
+        rest = tried(partial(_rest, text, speaker))
+        first = rest(sound) if text.silent else next_result(found)
         waiting.append(AlignmentAttempt(sound, text, [(engines[0].name, first)]))
         lasting = sum(one.seconds for one in waiting)
         many = len(waiting) >= MAX_WAITING_LINES or lasting > MAX_WAITING_SECONDS
@@ -191,14 +188,9 @@ def align_many(
     exhaust(found)
 
 
-def _rest(
-    speaker: Speaker, sound: Callable[[], Audio], text: WrittenText
-) -> Schedule | SpeechError:
-    """Return silence as long as a recording, or the error of reading it."""
-    try:
-        return silent(text, speaker.manner, sound())
-    except SpeechError as error:
-        return error
+def _rest(text: WrittenText, speaker: Speaker, sound: Callable[[], Audio]) -> Schedule:
+    """Return silence as long as a recording."""
+    return silent(text, speaker.manner, sound())
 
 
 class NamedAligner(NamedTuple):

@@ -22,7 +22,7 @@ import numpy as np
 from lipsync_lang.base.arrays import Ints
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
-from lipsync_lang.sound.speech.results import exhaust, next_result, raised, tried
+from lipsync_lang.sound.speech.results import each, exhaust, next_result, raised, tried
 from lipsync_lang.sound.speech.speaking.speech_engines import (
     refuse_rate,
     refuse_unspeakable,
@@ -94,8 +94,7 @@ class Espeak(EspeakProcess):
         def made(text: str) -> Schedule:
             return _schedule(*raised(next_result(spoken)), text)
 
-        for text in ours:
-            yield text if isinstance(text, SpeechError) else tried(made)(text)
+        yield from each(ours, made)
         exhaust(spoken)
 
 

@@ -79,21 +79,15 @@ def join(
     It is a `SpeechError` if no part of the text is readable.
     """
     _refuse_nothing(transcript.labels, transcript)
-    label_of, said = _units(
-        [label for word in transcript.words for label in (word.labels or (SILENCE,))],
-        notations[transcript.notation],
-    )
+    label_of, said = _units(transcript.labels_with_pauses, notations[transcript.notation])
     heard_of, heard = _units(spoken.labels, notations[spoken.notation or transcript.notation])
     found = align(said, heard, manner.kinds, SILENCE)
     # A diphthong or an affricate is one label and several common phonemes: only units align. Those
     # of one label divide its time evenly.
-    starts: list[float] = []
-    count = np.bincount(np.array(heard_of, np.intp), minlength=len(spoken))
-    place = 0
-    for number, unit in enumerate(heard_of):
-        place = place + 1 if number and heard_of[number - 1] == unit else 0
-        low, high = spoken.times[unit], spoken.times[unit + 1]
-        starts.append(float(low + (high - low) * place / count[unit]))
+    units = np.array(heard_of, np.intp)
+    place, count = np.arange(len(units)) - units.searchsorted(units), np.bincount(units)[units]
+    low, high = spoken.times[units], spoken.times[units + 1]
+    starts = (low + (high - low) * place / count).tolist()
     rows = _rows(label_of, heard, found, starts, float(spoken.end))
     return _scheduled(transcript, spoken, rows)
 
@@ -139,7 +133,7 @@ def _scheduled(
     transcript: Transcript, spoken: Schedule, rows: Sequence[tuple[int, float, float]]
 ) -> Schedule:
     """Build a schedule from the rows; labels without a row share a neighbour's time."""
-    flat = [label for word in transcript.words for label in (word.labels or (SILENCE,))]
+    flat = transcript.labels_with_pauses
     groups = _groups(flat, {number for number, _, _ in rows})
     labels: list[str] = []
     numbers: list[int] = []
@@ -205,8 +199,7 @@ def stress_read(
     stated = _stress_with_pauses(transcript)
     if not stated or any(notations[notation].stress(label) is not None for label in labels):
         return ()
-    flat = [label for word in transcript.words for label in (word.labels or (SILENCE,))]
-    label_of, said = _units(flat, notations[transcript.notation])
+    label_of, said = _units(transcript.labels_with_pauses, notations[transcript.notation])
     heard_of, heard = _units(labels, notations[notation])
     stress: list[int | None] = [None] * len(labels)
     for unit, at in enumerate(align(said, heard, manner.kinds, SILENCE).tolist()):

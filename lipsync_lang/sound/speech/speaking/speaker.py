@@ -7,8 +7,8 @@ class.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from itertools import tee, zip_longest
 from pathlib import Path
 from types import MappingProxyType
@@ -59,6 +59,7 @@ class KnownReadings(Protocol):
         """Keep the words of texts."""
 
 
+@dataclass(eq=False)
 class Speaker:
     """A language prepared for reading and speaking texts.
 
@@ -71,19 +72,14 @@ class Speaker:
     cleaning : values of placeholders, and what a project's scripts do not speak
     """
 
-    def __init__(
-        self,
-        manner: Manner,
-        notations: Mapping[str, Notation],
-        near: "NearestPhonemes | None" = None,
-        read: "KnownReadings | None" = None,
-        cleaning: Cleaning = AS_WRITTEN,
-    ) -> None:
-        self.manner = manner
-        self.notations = notations
-        self.near = near
-        self.read = read
-        self.cleaning = replace(cleaning, asides=manner.asides)
+    manner: Manner
+    notations: Mapping[str, Notation]
+    near: "NearestPhonemes | None" = None
+    read: KnownReadings | None = None
+    cleaning: Cleaning = AS_WRITTEN
+
+    def __post_init__(self) -> None:
+        self.cleaning = replace(self.cleaning, asides=self.manner.asides)
 
     @classmethod
     def of(
@@ -350,10 +346,7 @@ class Speaker:
             if written.silent:
                 yield silent(written, self.manner)
                 continue
-            try:
-                yield as_written(written, raised(next_result(spoken)))
-            except SpeechError as error:
-                yield error
+            yield from each([next_result(spoken)], partial(as_written, written))
         exhaust(spoken)
 
     def _spoken(
@@ -383,19 +376,15 @@ class Speaker:
             if isinstance(one, Transcript)
         )
         said = iter(speak_many(spellings, voice, engine=name, words_per_minute=words_per_minute))
-        for transcript in ours:
-            if isinstance(transcript, SpeechError):
-                yield transcript
-                continue
-            try:
-                spoken = raised(next_result(said))
-                # The voice's own phonemes are the transcript where nothing else reads the text.
-                if transcript.words:
-                    yield join(transcript, spoken, manner, self.notations)
-                else:
-                    yield replace(spoken, language=manner.language)
-            except SpeechError as error:
-                yield error
+
+        def timed(transcript: Transcript) -> Schedule:
+            spoken = raised(next_result(said))
+            if transcript.words:
+                return join(transcript, spoken, manner, self.notations)
+            # The voice's own phonemes are the transcript where nothing else reads the text.
+            return replace(spoken, language=manner.language)
+
+        yield from each(ours, timed)
         exhaust(said)
 
     def _for_direct_voice(self, texts: Iterable[str]) -> Iterator[Transcript | SpeechError]:

@@ -120,6 +120,11 @@ class Transcript:
         return tuple(label for word in self.words for label in word.labels)
 
     @property
+    def labels_with_pauses(self) -> list[str]:
+        """All phonemes in order, and silence for each pause."""
+        return [label for word in self.words for label in word.labels or (SILENCE,)]
+
+    @property
     def stress(self) -> tuple[int | None, ...]:
         """The stress of each label, as in a schedule; empty if no word states any."""
         if not any(word.stress for word in self.words):

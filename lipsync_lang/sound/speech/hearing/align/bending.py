@@ -112,14 +112,9 @@ def fitted(heard: SpeechSpectrum, kept: Ints, voice: SpokenVoice) -> Fit:
     # stays near the diagonal, where drift costs nothing.
     tempo = float((voice.ends - voice.starts).sum()) / (len(kept) * HOP)
     hop = HOP * float(np.clip(tempo, *TEMPO_LIMITS))
-    best: tuple[float, float, Ints] | None = None
-    for tract in TRACTS:  # in turn, for the memory that long voices take
-        a, b, _ = _pair(heard, kept, voice, hop, tract)
-        path, cost = _coarse(a, b)
-        if best is None or cost < best[0]:
-            best = cost, tract, path
-    assert best is not None  # noqa: S101 there are tracts
-    cost, tract, path = best
+    # in turn, for the memory that long voices take
+    ways = ((_coarse(*_pair(heard, kept, voice, hop, tract)[:2]), tract) for tract in TRACTS)
+    (path, cost), tract = min(ways, key=lambda one: one[0][1])
     a, b, starts = _pair(heard, kept, voice, hop, tract)
     # Reversed in time, slopes change their sign; the cepstra before them do not.
     backwards = b[::-1] * np.repeat([1, -1], b.shape[1] // 2)

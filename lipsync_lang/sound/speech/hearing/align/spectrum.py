@@ -98,9 +98,8 @@ def mel_power(
     width = int(WINDOW_SECONDS * SPEECH_RATE)
     # One sample more in front than half a window: pre-emphasis takes the one before each.
     sound = np.pad(samples, (width // 2 + 1, width))
-    starts = (np.arange(int(len(samples) / SPEECH_RATE / hop) + 1) * hop * SPEECH_RATE).astype(
-        np.intp
-    )
+    count = int(len(samples) / SPEECH_RATE / hop) + 1
+    starts = (np.arange(count) * hop * SPEECH_RATE).astype(np.intp)
     # A longer vocal tract moves all formants by one factor, so the bands move with it.
     edges = mel_edges(LOWEST, HIGHEST, BANDS)
     banks = [triangles(edges * tract) for tract in tracts]
@@ -127,10 +126,7 @@ def heard_in(power: Floats) -> SpeechSpectrum:
     # Digital silence has no noise at all; without this floor, its logarithm would outweigh speech.
     floor = np.maximum(np.maximum(noise, loud * 10 ** (-SPEECH_RANGE_DB / 10)), _TINY_POWER)
     above = _smooth(10 * np.log10((power + floor) / floor).mean(axis=1))
-    quiet, top = (
-        np.percentile(above, NOISE_PERCENTILE),
-        np.percentile(above, 100 - NOISE_PERCENTILE / 2),
-    )
+    quiet, top = np.percentile(above, (NOISE_PERCENTILE, 100 - NOISE_PERCENTILE / 2))
     if top - quiet < MIN_RANGE_DB:
         raise SpeechError(
             "the speech cannot be told apart from the other sounds; "

@@ -147,9 +147,7 @@ def spans(power: Floats, voice: SpokenVoice) -> Iterator[tuple[int, int]]:
     power : (T, BANDS) of the recording
     voice : the text as the language's voice says it
     """
-    found: list[LikelySpan] = []
-    for tempo in TEMPOS:
-        found += _searched(power, voice, tempo)
+    found = [span for tempo in TEMPOS for span in _searched(power, voice, tempo)]
     chosen: list[LikelySpan] = []
     for span in sorted(found):
         if len(chosen) < MAX_CANDIDATES and not any(span.shares(one) for one in chosen):
@@ -183,9 +181,8 @@ def _searched(power: Floats, voice: SpokenVoice, tempo: float) -> list[LikelySpa
             costs = relative_costs(pooled(recorded[kept], step), pooled(said[sounding], step))
             tries.append((first, kept, costs))
     found: list[LikelySpan] = []
-    for (first, kept, _), (cost, begin, end) in zip(
-        tries, subsequences([costs for *_, costs in tries]), strict=True
-    ):
+    places = subsequences([costs for *_, costs in tries])
+    for (first, kept, _), (cost, begin, end) in zip(tries, places, strict=True):
         if cost < _FAR / 2:
             low, high = kept[begin * step], kept[min((end + 1) * step, len(kept)) - 1]
             found.append(LikelySpan(cost, first + int(low), first + int(high), tempo))
