@@ -21,12 +21,12 @@ from lipsync_lang.sound.speech.hearing.sphinx.features import (
     CEPSTRA,
     DELTA_FRAMES,
     FRAME_SECONDS,
+    HISS_DEVIATION,
     HOP_SAMPLES,
     WINDOW_SAMPLES,
     CepstralFrames,
     derived,
 )
-from lipsync_lang.sound.speech.hearing.sphinx.scheduling import HISS_DEVIATION
 from lipsync_lang.sound.speech.sound import SPEECH_RATE
 
 FAST_FRAMES, SLOW_FRAMES = 12, 40
@@ -303,7 +303,7 @@ class Ear:
 
     def finish(self) -> Heard:
         """Return the last frames."""
-        last = self._less_mean(self._frames.cepstra(self._frames.last(np.zeros(0))))
+        last = self._less_mean(self._frames.cepstra(self._frames.last([])))
         end = last if len(last) else self._wide
         found = self._derived(np.concatenate([last, np.repeat(end[-1:], DELTA_FRAMES, axis=0)]))
         return Heard(found, np.repeat(self._last_tone, len(found)))

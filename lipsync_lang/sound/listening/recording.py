@@ -36,14 +36,14 @@ from lipsync_lang.sound.speech.hearing import progress
 from lipsync_lang.sound.speech.hearing.recognise.recognisers import recogniser
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.sound.speech.hearing.sphinx.decoders import parts
-from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS, WINDOW_SAMPLES
+from lipsync_lang.sound.speech.hearing.sphinx.features import (
+    FRAME_SECONDS,
+    WINDOW_SAMPLES,
+    PreparedSound,
+)
 from lipsync_lang.sound.speech.hearing.sphinx.folder import Models, find_models
 from lipsync_lang.sound.speech.hearing.sphinx.forced import HeardPhoneme
-from lipsync_lang.sound.speech.hearing.sphinx.scheduling import (
-    WINDOW_CENTRE_SECONDS,
-    prepared,
-    timed_labels,
-)
+from lipsync_lang.sound.speech.hearing.sphinx.scheduling import WINDOW_CENTRE_SECONDS, timed_labels
 from lipsync_lang.sound.speech.sound import SPEECH_RATE, resampled
 
 if TYPE_CHECKING:
@@ -117,11 +117,12 @@ def recorded_belief(audio: Audio, known: ModelPhones, models: Models) -> Singles
     """
     scores = phone_scores(models.model, known.neighbours)
     sound = resampled(audio, SPEECH_RATE).samples
-    peak = max(float(sound.max(initial=0)), -float(sound.min(initial=0)))
+    gain = PreparedSound.of(Audio(sound, SPEECH_RATE)).gain
     found = []
     for start, stop in parts(sound):
         progress.tell(start, len(sound))
-        part = prepared(Audio(sound[start:stop], SPEECH_RATE), peak)
+        here = Audio(sound[start:stop], SPEECH_RATE)
+        part = PreparedSound(here, gain, 0, stop - start).samples()
         heard = models.model.front_end(part)
         scored, tones = scores.of(heard), ToneTrack().push(np.pad(part, (0, WINDOW_SAMPLES)))
         measures = change_of(heard), tones[: len(heard)], contrast_of(scored, scores.loop.quiet)

@@ -351,18 +351,25 @@ def resampled(audio: Audio, rate: int) -> Audio:
     """Resample a sound; its duration is preserved to within one sample."""
     if audio.rate == rate:
         return audio
-    from scipy.signal import resample_poly
+    return Audio(np.concatenate([*resampled_blocks(audio, rate)]), rate)
 
+
+def resampled_blocks(audio: Audio, rate: int) -> Iterator[npt.NDArray[np.int16]]:
+    """Yield a sound at another rate in blocks: an hour at once would take gigabytes."""
     common = gcd(audio.rate, rate)
     up, down = rate // common, audio.rate // common
-    # In blocks, with more around them than the filter reaches: an hour would take gigabytes.
-    block, around, found = BLOCK_SAMPLES // down * down, 16 * down, []
+    # Around each block is more sound than the filter reaches.
+    block, around = BLOCK_SAMPLES // down * down, 16 * down
     for start in range(0, max(len(audio.samples), 1), block):
+        if up == down:
+            yield audio.samples[start : start + block]
+            continue
+        from scipy.signal import resample_poly
+
         first = max(start - around, 0)
         part = audio.samples[first : start + block + around].astype(np.float32)
         at = (start - first) // down * up
-        found.append(_whole(resample_poly(part, up, down)[at : at + block // down * up]))
-    return Audio(np.concatenate(found), rate)
+        yield _whole(resample_poly(part, up, down)[at : at + block // down * up])
 
 
 def with_sound(

@@ -15,9 +15,8 @@ from lipsync_lang.plugins.htk.htk_front_end import (
 from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.schedules import SILENCE
 from lipsync_lang.sound.speech.hearing.alignment import aligned
-from lipsync_lang.sound.speech.hearing.sphinx.features import features
+from lipsync_lang.sound.speech.hearing.sphinx.features import PreparedSound, features
 from lipsync_lang.sound.speech.hearing.sphinx.folder import models_in, read_model
-from lipsync_lang.sound.speech.hearing.sphinx.scheduling import prepared
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 pytest.importorskip("pocketsphinx")
@@ -177,7 +176,7 @@ def trained(english, folder):
     front, frames = HtkFrontEnd(rows, 26), {}
     for sentence in VARIED:
         found = aligned(english, english.speak(sentence).audio, sentence, aligner="pocketsphinx")
-        heard = front(prepared(found.audio))[:, 0]
+        heard = front(PreparedSound.of(found.audio).samples())[:, 0]
         for label, start, stop in zip(found.labels, found.times, found.times[1:], strict=False):
             span = heard[int(start * 100) : max(int(stop * 100), int(start * 100) + 3)]
             states = frames.setdefault("sil" if label == SILENCE else label, ([], [], []))

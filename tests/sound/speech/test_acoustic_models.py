@@ -2,6 +2,7 @@
 
 import struct
 import threading
+import tracemalloc
 from contextlib import suppress
 from functools import cache
 from shutil import copytree
@@ -13,11 +14,12 @@ from lanes import full
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.sound.speech.hearing.alignment import aligned
-from lipsync_lang.sound.speech.hearing.sphinx import decoders
+from lipsync_lang.sound.speech.hearing.sphinx import acoustic_model, decoders
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import Listening
 from lipsync_lang.sound.speech.hearing.sphinx.decoders import decoded_words
 from lipsync_lang.sound.speech.hearing.sphinx.features import (
     CepstralFrames,
+    PreparedSound,
     features,
 )
 from lipsync_lang.sound.speech.hearing.sphinx.folder import (
@@ -28,7 +30,6 @@ from lipsync_lang.sound.speech.hearing.sphinx.folder import (
     read_model,
     read_sphinx,
 )
-from lipsync_lang.sound.speech.hearing.sphinx.scheduling import prepared
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 pytest.importorskip("pocketsphinx")
@@ -138,7 +139,7 @@ def test_a_model_in_text_is_the_binary_one(shipped, english, spoken, tmp_path):
 def test_a_continuous_model_scores_as_the_tied_one(shipped, spoken, tmp_path):
     model, other = shipped.model, models_in(continuous(shipped, tmp_path / "cont")).model
     assert len(other.gaussians) == 3 * len(model.names)
-    sound = features(prepared(spoken))[:50]
+    sound = features(PreparedSound.of(spoken).samples())[:50]
     known, found = (Listening(one, sound).scores(one.alone) for one in (model, other))
     away = found - known  # weights of one state add up to 1 roughly
     assert np.abs(away - away.mean(axis=0)).max() < 0.5
@@ -163,6 +164,21 @@ def test_one_stream_is_three_in_a_row(shipped, tmp_path):
     np.testing.assert_allclose(
         Listening(one, sound).scores(one.alone), Listening(three, sound).scores(three.alone), 1e-4
     )
+
+
+def test_likelihoods_are_kept_up_to_a_limit_and_made_anew_beyond_it(shipped, monkeypatch):
+    model = shipped.model
+    features = np.random.default_rng(1).normal(0, 5, (50, 3, 13))
+    known = Listening(model, features).scores(model.alone)
+    cells = 50 * model.gaussians.shape[-1]
+    monkeypatch.setattr(acoustic_model, "MAX_KEPT_CELLS", 5 * cells)
+    tracemalloc.start()
+    sound = Listening(model, features)
+    for _ in range(2):
+        assert np.array_equal(sound.scores(model.alone), known)
+    kept, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert 5 * 4 * cells < kept < 6 * 4 * cells
 
 
 def test_states_that_share_one_codebook_are_read(shipped, tmp_path):
@@ -214,7 +230,7 @@ def test_features_are_those_of_pocketsphinx(spoken, shipped, tmp_path, params):
     decoder = Decoder(hmm=str(tmp_path), dict=str(shipped.dictionary), lm=None, loglevel="FATAL")
     decoder.set_align_text("glue")
     decoder.start_utt()
-    sound = np.rint(prepared(spoken))
+    sound = np.rint(PreparedSound.of(spoken).samples())
     decoder.process_raw(sound.astype("<i2").tobytes(), full_utt=True)
     decoder.end_utt()
     mean = [float(one) for one in decoder.get_cmn(update=False).split(",")]
@@ -369,7 +385,7 @@ def test_a_decoder_that_ends_or_hangs_is_told_in_words(
     monkeypatch.setattr(decoders, "LOADING_SECONDS", 1.0)
     monkeypatch.setattr(decoders, "PATIENCE", 0.0)
     with pytest.raises(SpeechError, match=f"pocketsphinx {told}.*copy its folder again"):
-        decoded_words(shipped, prepared(spoken))
+        decoded_words(shipped, PreparedSound.of(spoken).samples())
     assert not decoders.threads.loaded
 
 
@@ -382,7 +398,7 @@ def test_no_damaged_file_of_a_model_ends_the_program(name, shipped, spoken, tmp_
     path = Models(folder).acoustic / name
     content = path.read_bytes()
     rng = np.random.default_rng(0)
-    sound = prepared(spoken)
+    sound = PreparedSound.of(spoken).samples()
     for _ in range(6):
         damaged = bytearray(content[: int(rng.integers(1, len(content)))])
         for at in rng.integers(0, len(damaged), 20):
@@ -401,4 +417,4 @@ def test_a_decoder_has_a_limit_of_memory(shipped, spoken, tmp_path, monkeypatch)
     monkeypatch.setattr(decoders, "DECODER_SCRIPT", tmp_path / "worker.py")
     monkeypatch.setattr(decoders, "threads", threading.local())
     with pytest.raises(SpeechError, match="pocketsphinx ended"):
-        decoded_words(shipped, prepared(spoken))
+        decoded_words(shipped, PreparedSound.of(spoken).samples())

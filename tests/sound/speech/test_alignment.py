@@ -1,6 +1,7 @@
 """Alignment: a recording and its text become a schedule of timed phonemes."""
 
 import re
+import tracemalloc
 from dataclasses import replace
 from itertools import pairwise
 from operator import itemgetter
@@ -29,7 +30,7 @@ from lipsync_lang.sound.speech.hearing.alignment import (
 )
 from lipsync_lang.sound.speech.hearing.sphinx import line_search
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE
-from lipsync_lang.sound.speech.hearing.sphinx.features import HOP_SAMPLES, features
+from lipsync_lang.sound.speech.hearing.sphinx.features import HOP_SAMPLES, PreparedSound, features
 from lipsync_lang.sound.speech.hearing.sphinx.folder import find_models
 from lipsync_lang.sound.speech.hearing.sphinx.forced import (
     ACOUSTIC_SCALE,
@@ -43,7 +44,6 @@ from lipsync_lang.sound.speech.hearing.sphinx.forced import (
 from lipsync_lang.sound.speech.hearing.sphinx.scheduling import (
     Saying,
     line_confidence,
-    prepared,
     timed_labels,
     word_confidence,
 )
@@ -144,7 +144,8 @@ def test_boundaries_lie_between_frames_beside_those_of_the_likeliest_path(englis
     known = spoken[TEXTS[0]]
     models = find_models(english.manner.audio.model)
     words = [models.ways([word])[0] for word in TEXTS[0].lower().replace(".", "").split()]
-    heard = lay(models.model, models.model.front_end(prepared(known.audio)), words)
+    hearing = next(models.model.front_end.hearings(PreparedSound.of(known.audio)))
+    heard = lay(models.model, hearing, words)
     late = np.array([one.late for one in heard])
     assert (np.abs(late) <= NEAR_FRAMES).all()
     assert np.mean(np.abs(late) > 0.01) > 0.5
@@ -510,8 +511,8 @@ def test_other_speech_beside_a_line_counts_up_to_a_length_and_among_its_words_in
 def test_a_sound_with_steady_noise_is_heard_with_less_of_it_too():
     loud = np.random.default_rng(1).normal(size=2 * SPEECH_RATE) * 1000
     loud[SPEECH_RATE // 2 : SPEECH_RATE] = 0
-    assert len(list(features.hearings(loud + hiss(2.0) * 3))) == 1
-    as_it_is, less = features.hearings(loud + hiss(2.0) * 300)
+    assert len(list(features.hearings([loud + hiss(2.0) * 3]))) == 1
+    as_it_is, less = (one[:] for one in features.hearings([loud + hiss(2.0) * 300]))
     assert (as_it_is == features(loud + hiss(2.0) * 300)).all()
     pause, voice = slice(60, 95), slice(110, 190)
     louder = [one[voice, 0, 0].mean() - one[pause, 0, 0].mean() for one in (as_it_is, less)]
@@ -941,3 +942,22 @@ def test_every_phoneme_that_a_pack_gives_for_the_model_is_one_of_its_own(english
     assert said <= set(models.numbers)
     reading = english.notations[english.manner.notation]
     assert all(reading.find(label) for label in english.manner.audio.phones)
+
+
+# Memory
+
+
+@full
+def test_minutes_more_take_less_memory_than_their_samples_in_float64(english, spoken):
+    one = [spoken[text].audio for text in TEXTS]
+    peaks = []
+    for minutes in (2, 10):
+        times = round(minutes * 60 / sum(audio.seconds for audio in one))
+        samples = np.concatenate([audio.samples for audio in one] * times)
+        audio, text = ll.Audio(samples, one[0].rate), " ".join(TEXTS * times)
+        tracemalloc.start()
+        assert aligned(english, audio, text, aligner="pocketsphinx").confidence > DOUBTFUL
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert max(peaks) < 250e6
+    assert peaks[1] - peaks[0] < 8 * 60 * SPEECH_RATE * 8 / 2

@@ -1,5 +1,6 @@
 """A line with music before or after it is searched without that sound, too."""
 
+import tracemalloc
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,11 +11,13 @@ from lanes import full, swept
 
 import lipsync_lang as ll
 from lipsync_lang.schedules.schedule import DOUBTFUL
+from lipsync_lang.sound.speech import sound as speech_sound
 from lipsync_lang.sound.speech.hearing.alignment import aligned
 from lipsync_lang.sound.speech.hearing.sphinx import features, line_search
 from lipsync_lang.sound.speech.hearing.sphinx.features import (
     FRAME_SECONDS,
     HOP_SAMPLES,
+    PreparedSound,
     voice_span,
 )
 from lipsync_lang.sound.speech.hearing.sphinx.line_search import UnwrittenSpeech
@@ -25,6 +28,7 @@ pytest.importorskip("pocketsphinx")
 
 TEXT = "The hogs were fed chopped corn and garbage"
 OTHER = "A large size in stockings is hard to sell"
+SILENCE = PreparedSound.of(ll.Audio(np.zeros(8 * SPEECH_RATE, np.int16), SPEECH_RATE))
 
 
 def music(seconds):
@@ -89,11 +93,11 @@ def test_parts_are_searched_where_speech_is_unwritten(of_part, kept, monkeypatch
     monkeypatch.setattr(line_search, "_found", lambda *_: whole)
     monkeypatch.setattr(line_search, "_alone", lambda *_: part)
     models = SimpleNamespace(model=SimpleNamespace(front_end=lambda _: np.zeros((800, 3, 13))))
-    found = line_search.found_line(models, np.zeros(8 * SPEECH_RATE), [((1, 2),)])
+    found = line_search.found_line(models, SILENCE, [((1, 2),)])
     assert found is {"part": part, "whole": whole}[kept]
     surely = whole._replace(unwritten=())
     monkeypatch.setattr(line_search, "_found", lambda *_: surely)
-    assert line_search.found_line(models, np.zeros(8 * SPEECH_RATE), [((1, 2),)]) is surely
+    assert line_search.found_line(models, SILENCE, [((1, 2),)]) is surely
 
 
 def test_the_sound_around_a_part_is_no_place_for_a_word_of_it(monkeypatch):
@@ -105,7 +109,7 @@ def test_the_sound_around_a_part_is_no_place_for_a_word_of_it(monkeypatch):
 
     monkeypatch.setattr(line_search, "_found", found)
     models = SimpleNamespace(model=SimpleNamespace(front_end=lambda _: np.zeros((800, 3, 13))))
-    line_search.found_line(models, np.zeros(8 * SPEECH_RATE), [((1, 2),)])
+    line_search.found_line(models, SILENCE, [((1, 2),)])
     assert margins[0] == line_search.ORDER_MARGIN_FRAMES
     assert {*margins[1:]} == {0}
 
@@ -176,20 +180,58 @@ def test_a_long_sound_has_the_features_and_the_voice_of_one_block(line, block, s
     noise = rng.normal(0, 900, (2, rng.integers(2 * SPEECH_RATE)))
     sound = np.concatenate([noise[0], line.samples, noise[1]])
     fronts = features.features, features.SphinxFrontEnd()
-    whole = [next(front.hearings(sound)) for front in fronts]
-    span = voice_span(sound)
+    whole = [next(front.hearings([sound]))[:] for front in fronts]
+    span = voice_span([sound], frames_of(sound))
+    size = block * HOP_SAMPLES
+    blocks = [sound[start : start + size] for start in range(0, len(sound), size)]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(features, "SECTION_FRAMES", block)
-        assert voice_span(sound) == span
+        assert voice_span(blocks, frames_of(sound)) == span
         for front, found in zip(fronts, whole, strict=True):
-            assert next(front.hearings(sound)) == pytest.approx(found, abs=1e-9)
+            assert next(front.hearings(blocks))[:] == pytest.approx(found, abs=1e-9)
+
+
+def test_a_part_of_a_prepared_sound_has_its_samples_in_blocks_of_any_size(line):
+    sound = PreparedSound.of(line)
+    samples = sound.samples()
+    assert len(samples) == len(sound) == len(line.samples)
+    assert np.abs(samples).max() == pytest.approx(features.PEAK_AMPLITUDE, abs=20)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(speech_sound, "BLOCK_SAMPLES", 1000)
+        part = sound.part(20, 90).part(3, 10**6)
+        assert max(map(len, part)) == 1000
+        assert np.array_equal(part.samples(), samples[23 * HOP_SAMPLES : 90 * HOP_SAMPLES])
+
+
+@given(st.integers(0, 30), st.integers(0, 30))
+def test_some_features_are_those_of_the_whole(line, first, stop):
+    found = next(features.features.hearings(PreparedSound.of(line)))
+    assert np.array_equal(found[first:stop], found[:][first:stop])
+    assert np.array_equal(found[first:], found[:][first:])
+
+
+def test_a_search_for_words_keeps_the_cepstra_of_a_long_sound_alone(monkeypatch):
+    noise = np.random.default_rng(0).normal(0, 900, 2**21) * np.repeat([1, 0.2], 2**20)
+    sound, kept = PreparedSound.of(ll.Audio(noise.astype(np.int16), SPEECH_RATE)), []
+
+    def laid(_models, heard, _words):
+        kept.append(tracemalloc.get_traced_memory()[0] / heard[:][:, 0].nbytes)
+
+    monkeypatch.setattr(line_search, "laid", laid)
+    models = SimpleNamespace(model=SimpleNamespace(front_end=features.features))
+    tracemalloc.start()
+    line_search.best_heard(models, sound, [])
+    tracemalloc.stop()
+    # of both hearings: the second has less noise
+    assert len(kept) == 2
+    assert 2 <= max(kept) < 2.2
 
 
 @given(st.floats(0, 3), st.floats(0, 3))
 def test_the_voice_between_noises_keeps_all_frames(line, before, after):
     noisy = with_noise(with_noise(line, first=True, seconds=before), first=False, seconds=after)
-    first, stop = voice_span(noisy.samples.astype(float))
     count = frames_of(noisy.samples)
+    first, stop = voice_span([noisy.samples.astype(float)], count)
     assert first <= before / FRAME_SECONDS + 5
     assert stop >= count - after / FRAME_SECONDS - 5
     if max(before, after) < 0.9:
@@ -201,4 +243,4 @@ def test_a_line_that_ends_in_a_quiet_room_is_heard_as_a_whole(line):
     samples += np.random.default_rng(0).normal(size=len(samples))
     noise = np.random.default_rng(0).normal(size=SPEECH_RATE * 2)
     for sound in (samples, noise, noise[:100]):
-        assert voice_span(sound) == (0, frames_of(sound))
+        assert voice_span([sound], frames_of(sound)) == (0, frames_of(sound))

@@ -11,6 +11,7 @@ from lipsync_lang.commands.output import listening
 from lipsync_lang.sound.speech.hearing.align import bending
 from lipsync_lang.sound.speech.hearing.progress import followed, part, tell
 from lipsync_lang.sound.speech.hearing.sphinx import forced
+from lipsync_lang.sound.speech.hearing.sphinx.features import HeardFrames
 
 
 def test_shares_are_told_within_the_block_and_in_its_thread_alone():
@@ -48,7 +49,7 @@ def test_the_model_tells_of_each_window(monkeypatch):
     monkeypatch.setattr(forced, "_window", window)
     told = []
     with followed(told.append):
-        assert forced.lay(None, np.zeros((4000, 3, 13), np.float32), [[(1,)]] * 4)
+        assert forced.lay(None, HeardFrames(np.zeros((4000, 3, 13))), [[(1,)]] * 4)
     assert told[:4] == [0, 0.25, 0.5, 0.75]
 
 

@@ -17,7 +17,7 @@ from lipsync_lang.pipeline.levels import Level
 from lipsync_lang.sound.speech import sound
 from lipsync_lang.sound.speech.hearing.align.spectrum import heard_in, mel_power, samples_of
 from lipsync_lang.sound.speech.hearing.sphinx import features
-from lipsync_lang.sound.speech.hearing.sphinx.scheduling import prepared
+from lipsync_lang.sound.speech.hearing.sphinx.features import PreparedSound
 from lipsync_lang.sound.speech.sound import (
     FASTEST,
     MAX_SOUND_SECONDS,
@@ -247,12 +247,15 @@ def most_bytes(made):
         tracemalloc.stop()
 
 
-def test_a_long_sound_is_measured_in_little_more_memory_than_its_bands(monkeypatch):
-    noise = np.random.default_rng(0).normal(0, 900, 2**21)
+def test_a_long_sound_is_measured_in_less_memory_than_two_of_its_features(monkeypatch):
+    noise = np.random.default_rng(0).normal(0, 900, 2**21).astype(np.int16)
+    prepared = PreparedSound.of(ll.Audio(noise, RATE))
     monkeypatch.setattr(features, "SECTION_FRAMES", 100)
-    bands = len(noise) // features.HOP_SAMPLES * features.SphinxFrontEnd().bands * 8
-    assert most_bytes(lambda: features.voice_span(noise)) < bands * 2.5
-    assert most_bytes(lambda: features.features(noise)) < bands * 3.5
+    monkeypatch.setattr(sound, "BLOCK_SAMPLES", 2**14)
+    frames = len(noise) // features.HOP_SAMPLES
+    found = frames * 3 * features.CEPSTRA * 8
+    assert most_bytes(lambda: features.voice_span(prepared, frames)) < found / 2
+    assert most_bytes(lambda: next(features.features.hearings(prepared))) < found * 2.1
 
 
 def test_a_long_sound_is_prepared_in_little_more_memory_than_its_own(tmp_path, monkeypatch):
@@ -263,7 +266,7 @@ def test_a_long_sound_is_prepared_in_little_more_memory_than_its_own(tmp_path, m
     soundfile.write(path, slow.samples[: 2**22], RATE)
     monkeypatch.setattr(sound, "BLOCK_SAMPLES", 2**16)
     assert most_bytes(lambda: read_audio(path)) < 2**22 * 3
-    assert most_bytes(lambda: prepared(slow)) < 2**23 * 11
+    assert most_bytes(lambda: PreparedSound.of(slow).samples()) < 2**23 * 11
     timed = ll.Schedule(("a",) * 400, np.arange(401.0).tolist(), audio=slow)
     spans = (0.0, 2.0)
     said = np.ones(400, bool)

@@ -36,10 +36,11 @@ from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import (
     PhoneContext,
     WordPosition,
 )
+from lipsync_lang.sound.speech.hearing.sphinx.features import PreparedSound
 from lipsync_lang.sound.speech.hearing.sphinx.folder import Models
 from lipsync_lang.sound.speech.hearing.sphinx.forced import HeardPhoneme
 from lipsync_lang.sound.speech.hearing.sphinx.line_search import best_heard
-from lipsync_lang.sound.speech.hearing.sphinx.scheduling import line_confidence, prepared
+from lipsync_lang.sound.speech.hearing.sphinx.scheduling import line_confidence
 from lipsync_lang.sound.speech.results import raised
 from lipsync_lang.sound.speech.sound import read_audio
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
@@ -65,14 +66,6 @@ TEXT_SUFFIXES = (".txt", ".lab")
 MODEL_FRAMES = 20.0
 """Frames that weigh as much as the prior of a shift: tau."""
 
-PLACES = {
-    (True, True): WordPosition.INSIDE,
-    (False, True): WordPosition.BEGIN,
-    (True, False): WordPosition.END,
-    (False, False): WordPosition.ALONE,
-}
-"""Positions of a phoneme, by whether the ones before and after it are in its word."""
-
 
 class AlignedFrames(NamedTuple):
     """Frames of a recording with their states: (T, S, V) features and (T,) states."""
@@ -90,10 +83,10 @@ def aligned_frames(
     words = [OUTSIDE, *(one.word for one in heard), OUTSIDE]
     contexts: list[PhoneContext] = []
     for n, one in enumerate(heard):
-        inside = words[n] == one.word, words[n + 2] == one.word
+        begins, ends = words[n] != one.word, words[n + 2] != one.word
+        place = WordPosition(WordPosition.BEGIN * begins + WordPosition.END * ends)
         spoken = OUTSIDE not in (one.word, one.phone)
-        place = PLACES[inside] if spoken else None
-        contexts.append((around[n + 1], around[n], around[n + 2], place))
+        contexts.append((around[n + 1], around[n], around[n + 2], place if spoken else None))
     states = np.full(len(features), OUTSIDE)
     for one, phone in zip(heard, model.phones(contexts), strict=True):
         if one.phone != OUTSIDE:
@@ -265,11 +258,9 @@ def _frames(
     for number, (line, one) in enumerate(zip(lines, read, strict=True)):
         progress.tell(turn * len(lines) + number, len(LEAST_CONFIDENCES) * len(lines))
         try:
-            found = _fitting(reader, line.path, raised(one), LEAST_CONFIDENCES[turn])
+            fitting[line.path] = _fitting(reader, line.path, raised(one), LEAST_CONFIDENCES[turn])
         except SpeechError as error:
             left_out.append(f"{line.path.name}: {error}")
-        else:
-            fitting[line.path] = found
     return fitting, left_out
 
 
@@ -283,12 +274,12 @@ def _fitting(
     """
     ways = [one.ways for one in reader.sayings(transcript.words)]
     audio = read_audio(path)
-    heard, features = best_heard(reader.models, prepared(audio), ways)
+    heard, features = best_heard(reader.models, PreparedSound.of(audio), ways)
     if not (ways and heard):
         raise SpeechError(unfit(audio, len(transcript.labels)))
     if (sure := line_confidence(heard)) < least:
         raise SpeechError(f"the text hardly fits (confidence {sure:.2f})")
-    return aligned_frames(reader.models.model, features, heard)
+    return aligned_frames(reader.models.model, features[:], heard)
 
 
 def write_adapted(models: Models, adapted: AcousticModel, folder: Path) -> None:

@@ -15,7 +15,11 @@ from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
 from lipsync_lang.sound.speech.hearing.align.aligners import BatchAligner, aligner
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE, STATES
 from lipsync_lang.sound.speech.hearing.sphinx.decoders import decoded_words
-from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS
+from lipsync_lang.sound.speech.hearing.sphinx.features import (
+    FRAME_SECONDS,
+    HOP_SAMPLES,
+    PreparedSound,
+)
 from lipsync_lang.sound.speech.hearing.sphinx.folder import Models, find_models
 from lipsync_lang.sound.speech.hearing.sphinx.forced import Pronunciations, SureWord
 from lipsync_lang.sound.speech.hearing.sphinx.line_search import found_line
@@ -24,7 +28,6 @@ from lipsync_lang.sound.speech.hearing.sphinx.scheduling import (
     confidence,
     doubts,
     listed,
-    prepared,
     timed_labels,
 )
 from lipsync_lang.sound.speech.results import WrongTextError, batches, raised, tried
@@ -40,7 +43,7 @@ if TYPE_CHECKING:
     from lipsync_lang.sound.speech.speaking.transcripts import Transcript
     from lipsync_lang.text.phonology.g2p.g2p_engines import SpokenWord
 
-MAX_HEARD_SAMPLES = 15 * SPEECH_RATE
+MAX_HEARD_FRAMES = 15 * SPEECH_RATE // HOP_SAMPLES
 """Length of the part of a recording that is recognised to say what was heard."""
 
 MAX_SHOWN_TEXT = 60
@@ -92,7 +95,7 @@ class PocketsphinxAligner(BatchAligner):
                 f"'{text[:MAX_SHOWN_TEXT]}' has no words to align; give the spoken text"
             )
         audio = one[0]()
-        sound = prepared(audio)
+        sound = PreparedSound.of(audio)
         ways: list[Pronunciations] = [saying.ways for saying in sayings]
         if isinstance(one[1], SureText) and one[1].spans:
             said = touched((saying.text for saying in sayings), one[1], one[1].spans)
@@ -108,7 +111,7 @@ class PocketsphinxAligner(BatchAligner):
             told.append(f"a word may be said that the text does not have: {places}")
         doubted = agreeing < MIN_AGREEMENT or sure < DOUBTFUL
         if reader.own and models.language_model and doubted:
-            decoded = decoded_words(models, sound[:MAX_HEARD_SAMPLES])
+            decoded = decoded_words(models, sound.part(0, MAX_HEARD_FRAMES).samples())
             words = (" ".join(word.text for word in decoded) or "no word")[:MAX_SHOWN_TEXT]
             told.append(f"heard instead: '{words}'")
         if agreeing < MIN_AGREEMENT:

@@ -20,15 +20,14 @@ from lipsync_lang.sound.speech.hearing.recognise.recognisers import (
 )
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.sound.speech.hearing.sphinx.decoders import decoded_phones, decoded_words, parts
-from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS, HOP_SAMPLES
+from lipsync_lang.sound.speech.hearing.sphinx.features import (
+    FRAME_SECONDS,
+    HOP_SAMPLES,
+    PreparedSound,
+)
 from lipsync_lang.sound.speech.hearing.sphinx.folder import Models, find_models
 from lipsync_lang.sound.speech.hearing.sphinx.forced import HeardPhoneme, lay
-from lipsync_lang.sound.speech.hearing.sphinx.scheduling import (
-    Saying,
-    logistic,
-    prepared,
-    timed_labels,
-)
+from lipsync_lang.sound.speech.hearing.sphinx.scheduling import Saying, logistic, timed_labels
 
 if TYPE_CHECKING:
     from lipsync_lang.sound.speech.speaking.speaker import Speaker
@@ -69,7 +68,7 @@ class PocketsphinxRecogniser:
                 f"{models.folder}: words need a dictionary (*.dict) and a language model "
                 f"({models.folder.name}.lm.bin) beside the acoustic model; `sound` needs neither"
             )
-        sound = prepared(audio)
+        sound = PreparedSound.of(audio).samples()
         heard: list[HeardPhoneme] = []
         sayings: list[Saying] = []
         chances: list[float] = []
@@ -114,12 +113,9 @@ def _heard(models: Models, sound: Floats) -> tuple[list[Saying], list[float], li
     words = decoded_words(models, sound)
     texts = [word.text for word in words]
     sayings = [Saying(*one) for one in zip(texts, models.ways(texts), strict=True)]
-    found = (
-        lay(models.model, models.model.front_end(sound), [one.ways for one in sayings])
-        if sayings
-        else None
-    )
-    if found is not None:
+    hearing = next(models.model.front_end.hearings([sound]))
+    ways = [one.ways for one in sayings]
+    if ways and (found := lay(models.model, hearing, ways)) is not None:
         fits: list[list[HeardPhoneme]] = [[] for _ in words]
         for one in found:
             if OUTSIDE not in (one.word, one.phone):
@@ -150,9 +146,7 @@ def _remarks(
 ) -> tuple[str, ...]:
     if not sayings:
         return (f"{heard_remark('')}; the mouth follows single sounds",)
-    starts: dict[int, float] = {}
-    for one in heard:
-        starts.setdefault(one.word, one.first * FRAME_SECONDS)
+    starts = {one.word: one.first * FRAME_SECONDS for one in reversed(heard)}
     doubtful = [
         (saying.text, starts[n])
         for n, saying in enumerate(sayings)

@@ -29,11 +29,8 @@ class WordPosition(IntEnum):
 STATES = 3
 """Number of states per phoneme, in sequence."""
 
-MAX_KEPT_BOOKS = 256
-"""Number of codebooks up to which the likelihoods of their Gaussians are kept for further states.
-
-A model with more has a codebook for each state.
-"""
+MAX_KEPT_CELLS = 26_000_000
+"""Most likelihoods of Gaussians that are kept for further states: 104 MB, a window's."""
 
 MAX_BLOCK_CELLS = 200_000
 """Row block size of the matrix product."""
@@ -166,7 +163,7 @@ class Listening:
         near -= most
         np.maximum(near, FAINTEST_LOG, out=near)
         found = np.exp(near, out=near), most
-        if len(self.model.gaussians) <= MAX_KEPT_BOOKS:
+        if (len(self._near) + 1) * near.size <= MAX_KEPT_CELLS:
             self._near[key] = found
         return found
 

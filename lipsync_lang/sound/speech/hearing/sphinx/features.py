@@ -4,15 +4,23 @@ Processing steps and constants match the training of the CMU Sphinx models.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sized
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from functools import cache
+from itertools import chain, pairwise
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from lipsync_lang.base.arrays import Floats
-from lipsync_lang.sound.speech.sound import SPEECH_RATE
+from lipsync_lang.schedules.schedule import Audio
+from lipsync_lang.sound.speech.sound import SPEECH_RATE, resampled_blocks
+
+PEAK_AMPLITUDE = 16_000.0
+"""Peak amplitude after normalisation, for independence from loudness."""
+
+HISS_DEVIATION = 3.0
+"""Standard deviation of added noise, so that digital silence has the features of silence."""
 
 HOP_SAMPLES = 160
 """Frame step in samples."""
@@ -68,6 +76,87 @@ MIN_NOISE_FRAMES = 100
 """Fewest frames of a loud steady noise beside a voice."""
 
 
+@dataclass(frozen=True)
+class PreparedSound:
+    """A sound as models hear it: `SPEECH_RATE`, normalised peak, added noise.
+
+    It makes its samples in blocks each time that it is read: those of an hour take 460 MB.
+
+    Parameters
+    ----------
+    gain : factor of its samples
+    first, stop : the samples that count, at `SPEECH_RATE`
+    """
+
+    audio: Audio
+    gain: float
+    first: int
+    stop: int
+
+    @classmethod
+    def of(cls, audio: Audio) -> "PreparedSound":
+        """Prepare a sound."""
+        blocks = resampled_blocks(audio, SPEECH_RATE)
+        peak = max(max(int(one.max(initial=0)), -int(one.min(initial=0))) for one in blocks)
+        count = -(-len(audio.samples) * SPEECH_RATE // audio.rate)
+        return cls(audio, PEAK_AMPLITUDE / peak if peak else 1.0, 0, count)
+
+    def part(self, first: int, stop: int) -> "PreparedSound":
+        """Return some of its frames."""
+        first, stop = (self.first + one * HOP_SAMPLES for one in (first, stop))
+        return replace(self, first=first, stop=min(stop, self.stop))
+
+    def __len__(self) -> int:
+        return self.stop - self.first
+
+    def __iter__(self) -> Iterator[Floats]:
+        """Yield its samples in blocks."""
+        # A fixed seed: the same sound must always give the same schedule.
+        hiss, at = np.random.default_rng(0), 0
+        for block in resampled_blocks(self.audio, SPEECH_RATE):
+            made = block.astype(np.float64) * self.gain
+            made += hiss.normal(0.0, HISS_DEVIATION, len(block))
+            yield made[max(self.first - at, 0) : max(self.stop - at, 0)]
+            at += len(block)
+
+    def samples(self) -> Floats:
+        """Return all its samples."""
+        found, at = np.empty(len(self)), 0
+        for block in self:
+            found[at : (at := at + len(block))] = block
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class HeardFrames:
+    """Features of the frames of a sound, of which some are derived at a time.
+
+    Parameters
+    ----------
+    wide : of each frame, in streams; cepstra alone with those `beside` a frame on each side
+    less : taken from the first stream
+    """
+
+    wide: Floats
+    beside: int = 0
+    less: Floats | float = 0.0
+
+    def __len__(self) -> int:
+        return len(self.wide) - 2 * self.beside
+
+    def __getitem__(self, span: slice) -> Floats:
+        first, stop, _ = span.indices(len(self))
+        found = self.wide[first : max(first, stop) + 2 * self.beside]
+        found = derived(found[:, 0]) if self.beside else found.copy()
+        found[:, 0] -= self.less
+        return found
+
+    def first_stream(self) -> Floats:
+        """Return the first stream, (T, values): in that of a frame, the loudness comes first."""
+        found: Floats = self.wide[self.beside : self.beside + len(self), 0] - self.less
+        return found
+
+
 class FrontEnd(ABC):
     """Extraction of a model's features from samples at `SPEECH_RATE`."""
 
@@ -75,9 +164,9 @@ class FrontEnd(ABC):
     def __call__(self, samples: Floats) -> Floats:
         """Return the features of each frame of a sound: (T, streams, values) or another shape."""
 
-    def hearings(self, samples: Floats) -> Iterator[Floats]:
-        """Yield the features of a sound, and others that may fit better."""
-        yield self(samples)
+    def hearings(self, sound: Iterable[Floats]) -> Iterator[HeardFrames]:
+        """Yield the features of a sound in blocks, and others that may fit better."""
+        yield HeardFrames(self(np.concatenate([*sound])))
 
 
 @dataclass(frozen=True)
@@ -101,39 +190,42 @@ class SphinxFrontEnd(FrontEnd):
 
     def __call__(self, samples: Floats) -> Floats:
         """Return cepstra less their mean, and two derivatives: (N / `HOP_SAMPLES`, 3, 13)."""
-        return next(self.hearings(samples))
+        return next(self.hearings([samples]))[:]
 
-    def hearings(self, samples: Floats) -> Iterator[Floats]:
+    def hearings(self, sound: Iterable[Floats]) -> Iterator[HeardFrames]:
         """Yield the features of a sound, and those with less noise if it has a steady one.
 
         Less noise keeps words of a foreign language in their place; where music stops and starts,
         it costs more of the voice than of the music. The alignment tells what fits better.
         """
-        spectra = CepstralFrames(self).last(samples)
+        spectra = CepstralFrames(self).last(sound)
         loud = spectra.sum(axis=1)
         noise = spectra[loud <= np.percentile(loud, QUIET_PERCENT)].mean(axis=0)
-        yield self._normalised(spectra)
-        if NOTHING_ELSE_RATIO <= loud.mean() / max(noise.sum(), 1e-9) <= CLEAR_RATIO:
-            # A Wiener filter, of the whole sound: `_BandNoise` follows one that is not over yet.
-            gain = np.maximum(1 - noise / np.maximum(_smoothed(spectra), 1e-9), LEAST_BAND_GAIN)
-            yield self._normalised(spectra * gain**2)
+        noisy = NOTHING_ELSE_RATIO <= loud.mean() / max(noise.sum(), 1e-9) <= CLEAR_RATIO
+        found = [self._normalised(spectra, less) for less in (None, noise)[: 1 + noisy]]
+        del spectra  # an hour of them takes 72 MB
+        yield from found
 
-    def _normalised(self, spectra: Floats) -> Floats:
-        """Return the features of a whole sound, (T, 3, 13), from the power of its bands."""
-        frames = CepstralFrames(self)
-        cepstra = np.concatenate([frames.cepstra(spectra[block]) for block in _sections(spectra)])
-        cepstra -= voice_mean(cepstra, spectra.sum(axis=1))
-        return derived(np.pad(cepstra, ((DELTA_FRAMES, DELTA_FRAMES), (0, 0)), mode="edge"))
+    def _normalised(self, spectra: Floats, noise: Floats | None) -> HeardFrames:
+        """Return the features of a whole sound from the power of its bands, less a steady noise."""
+        frames, found = CepstralFrames(self), []
+        for start in range(0, len(spectra), SECTION_FRAMES):
+            here = spectra[start : start + SECTION_FRAMES]
+            if noise is not None:
+                # A Wiener filter, of the whole sound: `_BandNoise` follows one that is not over.
+                early = min(start, GAIN_FRAMES)
+                around = _smoothed(spectra[start - early : start + len(here) + GAIN_FRAMES])
+                gain = 1 - noise / np.maximum(around[early : early + len(here)], 1e-9)
+                here = here * np.maximum(gain, LEAST_BAND_GAIN) ** 2
+            found.append((frames.cepstra(here), here.sum(axis=1)))
+        cepstra, power = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        cepstra -= voice_mean(cepstra, power)
+        wide = np.pad(cepstra, ((DELTA_FRAMES, DELTA_FRAMES), (0, 0)), mode="edge")
+        return HeardFrames(wide[:, None], DELTA_FRAMES)
 
 
 features = SphinxFrontEnd(25, 130.0, 6800.0, "dct", 22, quieted=True)
 """The front end of the model that hears every language."""
-
-
-def _sections(values: Sized, hop: int = 1) -> list[slice]:
-    """Return the sections of a long array with a frame per hop; an empty one has one, too."""
-    starts = range(0, max(len(values), 1), SECTION_FRAMES * hop)
-    return [slice(start, start + starts.step) for start in starts]
 
 
 def _smoothed(values: Floats) -> Floats:
@@ -142,27 +234,28 @@ def _smoothed(values: Floats) -> Floats:
     return sliding_window_view(wide, 2 * GAIN_FRAMES + 1, axis=0).mean(axis=-1)
 
 
-def voice_span(samples: Floats) -> tuple[int, int]:
-    """Return the first frame and the end of a sound without loud steady noise before and after it.
+def voice_span(sound: Iterable[Floats], count: int) -> tuple[int, int]:
+    """Return the first of a sound's frames and the end, less steady noise before and after a voice.
 
     Such a noise is no voice, though words of a language that the model hears badly fit it well.
     """
-    # The last frame that `last` fills up with zeros is no steady noise.
-    spectra = CepstralFrames(SphinxFrontEnd()).spectra(samples)
-    count, power = -(-len(samples) // HOP_SAMPLES), spectra.sum(axis=1)
-    if len(spectra) < MIN_NOISE_FRAMES:
+    if count < MIN_NOISE_FRAMES:
         return 0, count
-    steady = np.zeros(len(spectra), bool)
-    for block in _sections(spectra):
+    frames, kept, at = CepstralFrames(SphinxFrontEnd()), np.zeros((0, SphinxFrontEnd.bands)), 0
+    power, steady = np.zeros(count), np.zeros(count, bool)
+    for spectra, later in pairwise(chain(map(frames.spectra, sound), [kept])):
         # The first frame is smoothed with those before it, and the last span with those after it.
-        early = min(block.start, GAIN_FRAMES)
-        around = spectra[block.start - early : block.stop + STEADY_FRAMES + GAIN_FRAMES]
-        logs = _smoothed(np.log(around + 1e-4))[early:]
+        around = np.concatenate([kept, spectra, later[: STEADY_FRAMES + GAIN_FRAMES]])
+        logs = _smoothed(np.log(around + 1e-4))[len(kept) :]
         sums = np.cumsum(np.pad([logs, logs**2], ((0, 0), (1, 0), (0, 0))), axis=1)
         mean, square = (sums[:, STEADY_FRAMES:] - sums[:, :-STEADY_FRAMES]) / STEADY_FRAMES
         calm = np.sqrt(np.maximum(square - mean**2, 0)).mean(axis=1) < STEADY_DEVIATION
-        for first in block.start + np.flatnonzero(calm[:SECTION_FRAMES]):
+        for first in at + np.flatnonzero(calm[: len(spectra)]):
             steady[first : first + STEADY_FRAMES] = True
+        power[at : at + len(spectra)] = spectra.sum(axis=1)
+        kept, at = spectra[-GAIN_FRAMES:], at + len(spectra)
+    # The last frame that `last` fills up with zeros is no steady noise.
+    power, steady = power[:at], steady[:at]
     changing = np.flatnonzero(~steady)
     if not len(changing):
         return 0, count
@@ -215,19 +308,15 @@ class CepstralFrames:
         """Return the cepstra of the frames that are complete with these samples: (k, 13)."""
         return self.cepstra(self.spectra(samples))
 
-    def spectra(self, samples: Floats, missing: int = 0) -> Floats:
-        """Return the power of each band in those frames, with zeros at the end: (k, `BANDS`)."""
-        blocks, found = _sections(samples, HOP_SAMPLES), []
-        for block in blocks:
-            part = np.pad(samples[block], (0, missing if block == blocks[-1] else 0))
-            # Pre-emphasis, across the parts.
-            earlier = np.concatenate([[self._before], part])
-            self._before = float(earlier[-1])
-            sound = np.concatenate([self._sound, part - PRE_EMPHASIS * earlier[:-1]])
-            count = max((len(sound) - WINDOW_SAMPLES) // HOP_SAMPLES + 1, 0)
-            self._sound = sound[count * HOP_SAMPLES :].copy()
-            found.append(_spectra(sound, count, self._settings))
-        return np.concatenate(found)
+    def spectra(self, samples: Floats) -> Floats:
+        """Return the power of each band in those frames: (k, bands)."""
+        # Pre-emphasis, across the parts.
+        earlier = np.concatenate([[self._before], samples])
+        self._before = float(earlier[-1])
+        sound = np.concatenate([self._sound, samples - PRE_EMPHASIS * earlier[:-1]])
+        count = max((len(sound) - WINDOW_SAMPLES) // HOP_SAMPLES + 1, 0)
+        self._sound = sound[count * HOP_SAMPLES :].copy()
+        return _spectra(sound, count, self._settings)
 
     def cepstra(self, spectra: Floats) -> Floats:
         """Return the cepstra of the next frames, (k, 13), from the power of their bands."""
@@ -239,13 +328,13 @@ class CepstralFrames:
             spectra = self._noise.quieted(spectra)
         return np.log(spectra + 1e-4) @ _cosines(self._settings).T
 
-    def last(self, samples: Floats) -> Floats:
-        """Return the power of the last frames: the rest of the samples, filled up with zeros."""
-        whole = len(self._sound) + len(samples)
+    def last(self, sound: Iterable[Floats]) -> Floats:
+        """Return the power of the last frames: blocks of samples, filled up with zeros."""
+        found = [self.spectra(block) for block in sound]
         # Ceiling division: the last frame may hold less sound than a hop.
-        count = max(-(-whole // HOP_SAMPLES), 1)
-        missing = max(count * HOP_SAMPLES + WINDOW_SAMPLES - HOP_SAMPLES - whole, 0)
-        return self.spectra(samples, missing)[:count]
+        count = max(-(-len(self._sound) // HOP_SAMPLES), 1)
+        missing = (count - 1) * HOP_SAMPLES + WINDOW_SAMPLES - len(self._sound)
+        return np.concatenate([*found, self.spectra(np.zeros(missing))[:count]])
 
 
 @cache

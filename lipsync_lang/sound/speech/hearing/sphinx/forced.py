@@ -14,7 +14,8 @@ half; it takes twice the time.
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -31,6 +32,7 @@ from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import (
     PhoneContext,
     WordPosition,
 )
+from lipsync_lang.sound.speech.hearing.sphinx.features import HeardFrames
 
 SOUND_START = -1
 """Predecessor of a phoneme at the start of the sound."""
@@ -311,7 +313,7 @@ def _context(model: AcousticModel, node: Node, left: int, right: int) -> PhoneCo
 
 def lay(
     model: AcousticModel,
-    features: Floats,
+    features: HeardFrames,
     words: Sequence[Pronunciations],
     *,
     anchored: bool = False,
@@ -337,7 +339,7 @@ def lay(
     return heard if own is features else _lay(model, own, words, anchored=anchored)
 
 
-def centred(features: Floats, heard: Sequence[HeardPhoneme]) -> Floats:
+def centred(features: HeardFrames, heard: Sequence[HeardPhoneme]) -> HeardFrames:
     """Return features less the mean of the voice's own frames, where music or noise is beside it.
 
     They are the same object where there is little other sound.
@@ -351,20 +353,19 @@ def centred(features: Floats, heard: Sequence[HeardPhoneme]) -> Floats:
         own[one.first : one.stop] &= one.phone != OUTSIDE
     if foreign < MIN_OTHER_SHARE * len(features) or not own.any():
         return features
-    moved = features.copy()
-    moved[:, 0] -= features[own, 0].mean(axis=0)
-    return moved
+    return replace(features, less=features.first_stream()[own].mean(axis=0))
 
 
 def _lay(
-    model: AcousticModel, features: Floats, words: Sequence[Pronunciations], *, anchored: bool
+    model: AcousticModel, features: HeardFrames, words: Sequence[Pronunciations], *, anchored: bool
 ) -> list[HeardPhoneme] | None:
     """Align words to a sound, window by window."""
     heard: list[HeardPhoneme] = []
     at = done = 0
     while at < len(features):
         tell(at, len(features))
-        found = _window(model, features[at:], words, done, anchored=anchored)
+        rest = replace(features, wide=features.wide[at:])
+        found = _window(model, rest, words, done, anchored=anchored)
         if found is None:
             return None
         heard += [h._replace(first=h.first + at, stop=h.stop + at) for h in found]
@@ -375,7 +376,7 @@ def _lay(
 
 
 def _reach(
-    features: Floats, words: Sequence[Pronunciations], done: int, *, anchored: bool
+    features: HeardFrames, words: Sequence[Pronunciations], done: int, *, anchored: bool
 ) -> tuple[int, int, int]:
     """Return the frames of the next window, the first word that it may end in, and its limit."""
     window = min(len(features), ANCHORED_FRAMES if anchored else WINDOW_FRAMES)
@@ -388,7 +389,7 @@ def _reach(
         shortest = np.cumsum([pace * min(map(len, ways)) for ways in ahead])
         return window, done, done + int(np.searchsorted(shortest, window, side="right"))
     # The loudness of a frame is its first cepstrum, less the mean: pauses do not count.
-    loud = features[:, 0, 0] > 0
+    loud = features.first_stream()[:, 0] > 0
     counts = np.cumsum([len(ways[0]) for ways in words[done:]])
     expected = counts[-1] * loud[:window].sum() / max(loud.sum(), 1)
     limits = expected * np.array([1 - PACE_TOLERANCE, 1 + PACE_TOLERANCE])
@@ -398,7 +399,7 @@ def _reach(
 
 def _window(
     model: AcousticModel,
-    features: Floats,
+    features: HeardFrames,
     words: Sequence[Pronunciations],
     done: int,
     *,
@@ -407,10 +408,9 @@ def _window(
     """Return the kept path of the window at the start of a sound, with earlier words done."""
     window, near, stop = _reach(features, words, done, anchored=anchored)
     last = window == len(features)
-    features = features[:window]
     if last and stop < len(words):
         return None
-    sound = Listening(model, features)
+    sound = Listening(model, features[:window])
     graph = Graph(model)
     before: list[int] = [SOUND_START]
     for number in range(done, stop):
@@ -430,12 +430,10 @@ def _window(
         ends = range([node.word for node in graph.nodes].index(near), len(graph.nodes))
     loop = _Loop.of(sound)
     scores = sound.scores(model.phones(graph.contexts))
-
-    def decoded(spoken: AbstractSet[int], prices: float | Floats) -> list[Run]:
-        return _likeliest(model, scores, loop, graph.nodes, graph.before, ends, spoken, prices)
-
+    decoded = partial(_likeliest, model, scores, loop, graph.nodes, graph.before, ends)
     if not (way := _truest_way(graph, words, range(done, stop), decoded)):
         return None
+    del scores, decoded  # the path has fewer phonemes
     if not last:
         overlap = window // 2 if anchored else OVERLAP_FRAMES
         way = _kept(way, graph.nodes, window - overlap)

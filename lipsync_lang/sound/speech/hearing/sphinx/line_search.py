@@ -22,6 +22,8 @@ from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import (
 from lipsync_lang.sound.speech.hearing.sphinx.features import (
     FRAME_SECONDS,
     HOP_SAMPLES,
+    HeardFrames,
+    PreparedSound,
     voice_span,
 )
 from lipsync_lang.sound.speech.hearing.sphinx.forced import (
@@ -358,31 +360,32 @@ class FoundLine(NamedTuple):
     unwritten: tuple[UnwrittenSpeech, ...] = ()
 
 
-def found_line(models: "Models", sound: Floats, words: Sequence[Pronunciations]) -> FoundLine:
+def found_line(
+    models: "Models", sound: PreparedSound, words: Sequence[Pronunciations]
+) -> FoundLine:
     """Search for words in a sound, without a steady noise before and after the voice.
 
     If they hardly fit, they are searched in its parts between changes, too. Speech that is not
     written may be music that holds a word back, as well.
     """
-    first, stop = voice_span(sound)
     end = -(-len(sound) // HOP_SAMPLES)
+    first, stop = voice_span(sound, end)
     first, stop = max(first - NOISE_MARGIN_FRAMES, 0), min(stop + NOISE_MARGIN_FRAMES, end)
     if stop - first < end:
-        samples = sound[first * HOP_SAMPLES : stop * HOP_SAMPLES]
-        inside = _in_parts(models, samples, words)
+        inside = _in_parts(models, sound.part(first, stop), words)
         if inside.heard:
             return _placed(inside, (first, stop), end)
     return _in_parts(models, sound, words)
 
 
-def _in_parts(models: "Models", sound: Floats, words: Sequence[Pronunciations]) -> FoundLine:
+def _in_parts(models: "Models", sound: PreparedSound, words: Sequence[Pronunciations]) -> FoundLine:
     """Search for words in a sound, and in its parts if they hardly fit."""
     whole = _found(models, sound, words)
     sure = whole.sure >= DOUBTFUL and not whole.unwritten
     if sure or len(sound) > MAX_PARTED_FRAMES * HOP_SAMPLES:
         return whole
     shortest = MIN_PART_PACE * sum(len(ways[0]) for ways in words)
-    features = models.model.front_end(sound)
+    features = models.model.front_end(sound.samples())
     parts = [one for one in sound_parts(features) if one[1] - one[0] >= shortest]
     alone = (_alone(models, sound, words, part, len(features)) for part in parts)
     return max([whole, *alone], key=lambda one: one.sure)
@@ -403,7 +406,7 @@ def _placed(found: FoundLine, part: tuple[int, int], end: int) -> FoundLine:
 
 def _found(
     models: "Models",
-    sound: Floats,
+    sound: PreparedSound,
     words: Sequence[Pronunciations],
     margin: int = ORDER_MARGIN_FRAMES,
 ) -> FoundLine:
@@ -411,18 +414,18 @@ def _found(
     sure = line_confidence(heard)
     if sure < DOUBTFUL or len(features) > WINDOW_FRAMES or len(words) < MIN_WORDS:
         return FoundLine(heard, sure)
-    errors = TextErrors(models.model, centred(features, heard), words, heard, margin)
+    errors = TextErrors(models.model, centred(features, heard)[:], words, heard, margin)
     moved = errors.moved_word()
     sure = sure if moved is None else min(sure, MOVED_CONFIDENCE)
     return FoundLine(heard, sure, moved, tuple(errors.unwritten()))
 
 
 def best_heard(
-    models: "Models", sound: Floats, words: Sequence[Pronunciations]
-) -> tuple[list[HeardPhoneme], Floats]:
+    models: "Models", sound: PreparedSound, words: Sequence[Pronunciations]
+) -> tuple[list[HeardPhoneme], HeardFrames]:
     """Align words, as `laid` does, in the features of the sound that fit best; return both."""
     hearings = models.model.front_end.hearings(sound)
-    tries = [(laid(models, one, words) or [], one) for one in hearings]
+    tries = ((laid(models, one, words) or [], one) for one in hearings)
     return max(tries, key=lambda one: line_confidence(one[0]))
 
 
@@ -458,16 +461,15 @@ def sound_changes(values: Floats, depth: int) -> list[int]:
 
 def _alone(
     models: "Models",
-    sound: Floats,
+    sound: PreparedSound,
     words: Sequence[Pronunciations],
     part: tuple[int, int],
     end: int,
 ) -> FoundLine:
     """Search for words in a part of a sound; the rest is other sound."""
     first, stop = part
-    samples = sound[first * HOP_SAMPLES : stop * HOP_SAMPLES]
     # the sound around the words of a part is not theirs
-    found = _found(models, samples, words, margin=0)
+    found = _found(models, sound.part(first, stop), words, margin=0)
     left_out = any(one.phone == OUTSIDE != one.word for one in found.heard)
     if left_out or found.sure < DOUBTFUL:
         return FoundLine([], 0.0)
@@ -476,12 +478,12 @@ def _alone(
 
 
 def laid(
-    models: "Models", sound: Floats, words: Sequence[Pronunciations]
+    models: "Models", features: HeardFrames, words: Sequence[Pronunciations]
 ) -> list[HeardPhoneme] | None:
     """Align words in short windows, and again in anchored ones if these lose the text."""
-    heard = lay(models.model, sound, words)
+    heard = lay(models.model, features, words)
     sure = line_confidence(heard) if heard else 0.0
-    if sure >= DOUBTFUL or len(sound) <= WINDOW_FRAMES:
+    if sure >= DOUBTFUL or len(features) <= WINDOW_FRAMES:
         return heard
-    again = lay(models.model, sound, words, anchored=True)
+    again = lay(models.model, features, words, anchored=True)
     return again if again and line_confidence(again) > sure else heard

@@ -11,20 +11,14 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import shortlist
-from lipsync_lang.schedules.schedule import SILENCE, Audio, Word
+from lipsync_lang.schedules.schedule import SILENCE, Word
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS, WINDOW_SAMPLES
 from lipsync_lang.sound.speech.hearing.sphinx.forced import HeardPhoneme
-from lipsync_lang.sound.speech.sound import BLOCK_SAMPLES, SPEECH_RATE, resampled
+from lipsync_lang.sound.speech.sound import SPEECH_RATE
 
 if TYPE_CHECKING:
     from lipsync_lang.sound.speech.hearing.sphinx.folder import Models
-
-PEAK_AMPLITUDE = 16_000.0
-"""Peak amplitude after normalisation, for independence from loudness."""
-
-HISS_DEVIATION = 3.0
-"""Standard deviation of added noise, so that digital silence has the features of silence."""
 
 WINDOW_CENTRE_SECONDS = (WINDOW_SAMPLES / SPEECH_RATE - FRAME_SECONDS) / 2
 """Offset in seconds from a frame's start to the middle of its window."""
@@ -50,7 +44,6 @@ MIN_TOLD_PHONEMES = 3
 
 MAX_SHOWN_PLACES = 5
 """Maximum number of places in one remark."""
-
 
 LINE_FIT_WEIGHTS = (0.9, -4.0, 12.0, -10.0, -3.75)
 """Weights in the logit of a line's confidence: of the fit, of the hurried share, of the share of
@@ -83,25 +76,6 @@ class Saying(NamedTuple):
     text: str
     ways: tuple[tuple[int, ...], ...]
     spelled: tuple[tuple[str, int], ...] = ()
-
-
-def prepared(audio: Audio, peak: float | None = None) -> Floats:
-    """Prepare a sound for feature extraction: `SPEECH_RATE`, normalised peak, added noise.
-
-    Parameters
-    ----------
-    peak : of the sound that it is a part of; None for its own
-    """
-    samples = resampled(audio, SPEECH_RATE).samples.astype(np.float64)
-    if peak is None:
-        peak = max(float(samples.max(initial=0)), -float(samples.min(initial=0)))
-    samples *= PEAK_AMPLITUDE / peak if peak > 0 else 1.0
-    # A fixed seed: the same sound must always give the same schedule.
-    hiss = np.random.default_rng(0)
-    for start in range(0, len(samples), BLOCK_SAMPLES):
-        part = samples[start : start + BLOCK_SAMPLES]
-        part += hiss.normal(0.0, HISS_DEVIATION, len(part))
-    return samples
 
 
 def confidence(models: "Models", heard: Sequence[HeardPhoneme]) -> float:
@@ -163,15 +137,14 @@ def timed_labels(
     labels = tuple(rows[n][0] for n in kept)
     # dropped silences are merged into the next sound
     times = [0.0, *(starts[before + 1] for before in kept[:-1]), seconds]
-    owners = [rows[n][1] if rows[n][0] != SILENCE else OUTSIDE for n in kept]
-    found = _by_word(heard)
+    places = [(rows[n][1], place) for place, n in enumerate(kept) if rows[n][0] != SILENCE]
+    first, last, found = dict(reversed(places)), dict(places), _by_word(heard)
     words = []
     for number, saying in enumerate(sayings):
-        own = [n for n, owner in enumerate(owners) if owner == number]
-        if own:
+        if number in first:
             sure = word_confidence(found[number])
             sure = min(sure, DOUBTED_CONFIDENCE) if number in doubted else sure
-            words.append(Word(saying.text, own[0], own[-1] + 1, confidence=sure))
+            words.append(Word(saying.text, first[number], last[number] + 1, confidence=sure))
     return TimedLabels(labels, np.array(times), tuple(words))
 
 
@@ -184,15 +157,12 @@ def _by_word(heard: Sequence[HeardPhoneme]) -> dict[int, list[HeardPhoneme]]:
 
 def doubts(heard: Sequence[HeardPhoneme], sayings: Sequence[Saying]) -> list[str]:
     """Describe mismatches of sound and text in messages."""
-    remarks: list[str] = []
     others = [
         f"{one.first * FRAME_SECONDS:.1f} to {one.stop * FRAME_SECONDS:.1f} s"
         for one in heard
         if one.word == one.phone == OUTSIDE
         and (one.stop - one.first) * FRAME_SECONDS >= OTHER_SOUND_SECONDS
     ]
-    if others:
-        remarks.append(f"sound without text: {listed(others)}")
     said = _by_word(heard)
     absent: list[str] = []
     unlike: list[str] = []
@@ -203,11 +173,12 @@ def doubts(heard: Sequence[HeardPhoneme], sayings: Sequence[Saying]) -> list[str
             absent.append(place)
         elif len(own) >= MIN_TOLD_PHONEMES and not any(map(_borne_out, own)):
             unlike.append(place)
-    if absent:
-        remarks.append(f"words that are not spoken are left out: {listed(absent)}")
-    if unlike:
-        remarks.append(f"words that were not recognised: {listed(unlike)}")
-    return remarks
+    told = {
+        "sound without text": others,
+        "words that are not spoken are left out": absent,
+        "words that were not recognised": unlike,
+    }
+    return [f"{what}: {listed(places)}" for what, places in told.items() if places]
 
 
 def listed(places: Sequence[str]) -> str:
