@@ -181,7 +181,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         if own is not None:
             known[spelling] = OwnWord(own.to, own.say)
     numerals = stated.numerals
-    alike = ("beginnings", "letters", "repeated", "doubled", "hyphenated", "thousands", "decimal")
+    alike = ("beginnings", "letters", "repeated", "doubled", "hyphenated", "curses", "thousands")
     return SpokenForms(
         interjections=known,
         abbreviations=_listed(stated.expansions, stated.lists) | phrases,
@@ -191,7 +191,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         numeral_words=numerals.words,
         **{name: getattr(numerals, name) for name in ("counted", "named", "ordinals")},
         **shared_forms,
-        **{name: getattr(stated, name) for name in alike},
+        **{name: getattr(stated, name) for name in (*alike, "decimal")},
     )
 
 

@@ -248,6 +248,8 @@ class LanguageText(Strict):
     """Words whose double letter stays if the word is drawn out: `goood` is `good`."""
     hyphenated: tuple[Text, ...] = ()
     """Words with a hyphen that look like stutters, such as `D-Day`."""
+    curses: tuple[Text, ...] = ()
+    """Words that scripts censor, in small letters: with `damn`, `d*mned` has its letters."""
 
     @property
     def expansions(self) -> dict[str, str]:

@@ -150,11 +150,10 @@ class NearestPhonemes:
         shown = [run for name in phonemes for run in self._typical.get(name, ())]
         if not sounds or not shown:
             return []
+        weighed = enumerate(zip(self.features.names, self.features.weights, strict=True))
         return [
             name
-            for number, (name, weight) in enumerate(
-                zip(self.features.names, self.features.weights, strict=True)
-            )
+            for number, (name, weight) in weighed
             if weight >= self.features.fights_from
             and abs(_most(sounds, number) - _most(shown, number)) >= CLEAR_DIFFERENCE
         ]
@@ -181,9 +180,8 @@ class NearestPhonemes:
             if times and times[-1][0] == name:
                 time += times.pop()[1]
             times.append((name, time))
-            for sound, shown in zip(
-                runs[piece.start : piece.stop], piece.exemplar.run, strict=True
-            ):
+            run = runs[piece.start : piece.stop]
+            for sound, shown in zip(run, piece.exemplar.run, strict=True):
                 losses += [
                     feature
                     for feature, a, b in zip(self.features.names, sound, shown, strict=True)

@@ -3,9 +3,11 @@
 import csv
 from collections import defaultdict
 from pathlib import Path
+from re import fullmatch
 
 import pytest
 from lanes import swept
+from shipped import LIBRARY
 
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
@@ -17,6 +19,9 @@ LINES = defaultdict(list)
 for row in ROWS:
     LINES[row["language"]].append((row["written"], row["said"]))
 assert len(ROWS) > 100
+CURSING = sorted(
+    {one.name for one in LIBRARY.names("language") if b"\n  curses:" in one.path.read_bytes()}
+)
 
 
 def sounds(speaker, texts):
@@ -37,13 +42,41 @@ def test_written_forms_are_read_as_their_words(language):
 
 
 @pytest.mark.parametrize("signs", ["*", "**", "@#", "#$%", "$@!#"])
-@pytest.mark.parametrize("word", ["damn", "verdammter", "bastard", "cabrones"])
+@pytest.mark.parametrize("word", ["blimming", "lunkers", "grizzled", "mörder"])
 def test_a_vowel_behind_signs_is_no_name_of_the_signs(word, signs):
     forms = Speaker.of("english").manner.forms
-    for at in (n for n, one in enumerate(word) if one in "aeiou"):
+    for at in (n for n, one in enumerate(word) if one in "aeiouö"):
         written = word[:at] + signs + word[at + 1 :]
         (read,) = uncensored(f"You {written}!", forms)
         assert read == (4, 4 + len(written), f"{word[:at]}u{word[at + 1 :]}")
+
+
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        ("cr*p", "crap"),
+        ("sh**ty", "shitty"),
+        ("BULLSH*T", "BULLSHIT"),
+        ("f***ing", "fucking"),
+        ("bullsh!t", "bullshit"),
+        ("p*ss", "piss"),
+    ],
+)
+def test_a_censored_curse_has_its_own_letters(written, said):
+    forms = Speaker.of("english").manner.forms
+    assert [*uncensored(f"That {written}!", forms)] == [(5, 5 + len(written), said)]
+
+
+@pytest.mark.parametrize("name", swept(CURSING, quick=CURSING[::6]))
+def test_every_curse_of_a_pack_is_read_behind_a_sign(name):
+    forms = Speaker.of(name).manner.forms
+    for curse in forms.curses:
+        assert curse == curse.lower()
+        for at in range(1, len(curse) - 1):
+            written = f"{curse[:at]}*{curse[at + 1 :]}"
+            ((_, _, read),) = uncensored(written, forms)
+            # an earlier curse of the list may fit as well, but the letters in sight stay
+            assert fullmatch(written.replace("*", "[^*]"), read)
 
 
 @pytest.mark.parametrize(

@@ -135,7 +135,7 @@ class AbbreviationKeys:
                 keys = self._beginnings.setdefault((first, second), {})
                 keys.setdefault((literal, follows.strip("~*")), []).append((rank, key))
         read = _BEFORE_LAST.fullmatch(self._expansions.get(_RANGE_KEY, ""))
-        self._between = read[2] if read else ""
+        self._between = self._ends["〜"] = read[2] if read else ""
         self._starts = re.compile("|".join(self._start_patterns()))
 
     def _start_patterns(self) -> Iterator[str]:
@@ -165,13 +165,9 @@ class AbbreviationKeys:
         plain = _RANGE_SIGN.sub("〜", text)
         # `12-Й`, `12. SZINT` and `12. STOCK` are read like small letters, but not `5G`
         cases = (str.lower, str.capitalize) if text.isupper() else ()
-        calm = [_calmed(text, case) for case in cases]
-        calm = [one for one in calm if len(one) == len(text)]
+        calm = [one for case in cases if len(one := _calmed(text, case)) == len(text)]
         while start := self._starts.search(plain, at):
             at = start.end()
-            if start[0] == "〜":
-                yield Replacement(*start.span(), self._between)
-                continue
             if start[0] in self._ends:
                 yield Replacement(*start.span(), self._ends[start[0]])
                 continue
@@ -234,8 +230,9 @@ class AbbreviationKeys:
         for second in {"", text[at + 1 : at + 2], *behind}:
             for (literal, follows), keys in self._beginnings.get((first, second), {}).items():
                 end = at + 1 + len(literal)
+                sign = text[end : end + 2].strip()[:1] if follows else ""
                 if text.startswith(literal, at + 1) and (
-                    not follows or _is_sign(text[end : end + 2].strip()[:1], follows)
+                    sign == follows or (follows == "#" and sign.isdecimal())
                 ):
                     fitting += keys
         best, read = None, ""
@@ -307,11 +304,6 @@ def _digits(grouped: re.Match[str]) -> str:
     return re.sub(r"\D", "", grouped[0])
 
 
-def _is_sign(char: str, sign: str) -> bool:
-    """Return True for a character of a text that a sign of a key allows."""
-    return char.isdecimal() if sign == "#" else char == sign
-
-
 def _longest_first(key: str) -> tuple[int, int, str]:
     return -len(key), key.count("#"), key
 
@@ -324,10 +316,8 @@ def is_spaced(char: str) -> bool:
 
 def _either(key: str) -> str:
     """Return the first letter of a key; that of a word may be a capital, as in a sentence."""
-    first = key[0]
-    if key[1:2] == "#":
-        return first  # `x3` is no `BMW X3`
-    return first + (first.upper() if first.islower() and len(first.upper()) == 1 else "")
+    capital = key[0].upper() if key[0].islower() and key[1:2] != "#" else ""  # `x3` is no `BMW X3`
+    return key[0] + (capital if len(capital) == 1 else "")
 
 
 def _fits(found: re.Match[str], read: str, particle: re.Pattern[str] | None) -> bool:

@@ -1,7 +1,7 @@
 """Censored words, such as `f*ck`: the signs in them stand for letters."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from unicodedata import name
 
@@ -20,14 +20,18 @@ _POSSIBLE = re.compile(rf"{_CURSE_SIGN}|\w!\w")
 def uncensored(text: str, forms: SpokenForms) -> Iterator[Replacement]:
     """Yield censored words with letters in place of the signs.
 
-    Somewhere in them a vowel is missing, or several signs are. `Lehrer*innen` and `x*y` are none.
+    They hold a curse of the pack. In others a vowel is missing, or several signs stand for letters:
+    `Lehrer*innen` and `x*y` are none.
     """
     for found in _MASKED.finditer(text) if _POSSIBLE.search(text) else ():
+        if cursed := _cursed(found[0], forms.curses):
+            yield Replacement(*found.span(), cursed)
+            continue
         words, signs = re.split(r"\W+", found[0]), re.findall(r"\W+", found[0])
-        script, known = name(found[0][0], "").split(" ")[0], forms.censored.items()
+        script = name(found[0][0], "").split(" ")[0]
         letters = {
             sign: next((one for one in some if name(one[0]).startswith(script)), "")
-            for sign, some in known
+            for sign, some in forms.censored.items()
         }
         usual, vowels = letters.pop("*", ""), set(forms.vowels)
         # two consonants beside a sign: `verd*mmter`; before `!`, a space may be missing
@@ -40,6 +44,19 @@ def uncensored(text: str, forms: SpokenForms) -> Iterator[Replacement]:
                 "".join(letters[one] for one in s) if {*s} <= {*letters} else usual for s in signs
             ]
             yield Replacement(*found.span(), "".join(map(str.__add__, words, [*said, ""])))
+
+
+def _cursed(masked: str, curses: Iterable[str]) -> str:
+    """Return a word with the letters of a curse in place of its signs; empty if none fits."""
+    for curse in curses:
+        first, *others = map(re.escape, curse)
+        signs = "".join(rf"[{letter}\W]" for letter in others)
+        fit = re.fullmatch(rf"(\w*?)({first}{signs})(\w*)", masked, re.IGNORECASE)
+        # one letter in sight is too little within a word: `murd***r`
+        if fit and (not fit[1] or len(re.findall(r"\w", fit[2])) > 1):
+            said = f"{masked[: fit.end(1)]}{curse}{masked[fit.end(2) :]}"
+            return said.upper() if masked.isupper() else said
+    return ""
 
 
 def unstressed(text: str, forms: SpokenForms) -> str:

@@ -41,6 +41,7 @@ class SpokenForms:
     doubled: tuple[str, ...] = ()
     hyphenated: tuple[str, ...] = ()
     vowels: str = ""
+    curses: tuple[str, ...] = ()
     censored: Mapping[str, Sequence[str]] = field(default_factory=dict)
     particles: tuple[str, ...] = ()
     thousands: str = ""
