@@ -140,11 +140,8 @@ def _label_at(labels: Sequence[str], word: str, place: int, is_vowel: IsVowel, v
     guess = place * (len(labels) - 1) / max(len(word) - 1, 1)
     wanted = letters[place : place + 1] in vowels
     glide = bool(lead_letters(word, vowels))  # the w of "what" may count as a vowel
-    alike = [
-        at
-        for at, label in enumerate(labels)
-        if (is_vowel(label) and not (glide and not at)) == wanted
-    ]
+    is_vocal = [is_vowel(label) and not (glide and not at) for at, label in enumerate(labels)]
+    alike = [at for at, vocal in enumerate(is_vocal) if vocal == wanted]
     if not alike or not set(letters) & set(vowels):
         return round(guess)
     if not wanted:

@@ -54,9 +54,8 @@ class _CompiledRule(NamedTuple):
 
     def fits(self, word: str, at: int) -> bool:
         """Return True if the rule applies at a place of a word."""
-        return word.startswith(self.spelling, at) and self.around.fit(
-            word, at, at + len(self.spelling)
-        )
+        stop = at + len(self.spelling)
+        return word.startswith(self.spelling, at) and self.around.fit(word, at, stop)
 
 
 class Rewriter:

@@ -245,12 +245,8 @@ class Utterances:
             lead = [mark for mark in marks[:1] if mark.kind == "pause" and 0 not in spoken]
             tail = [mark for mark in marks[1:][-1:] if mark.kind == "pause"]
             tail = [] if len(part.text.rstrip()) in spoken else tail
-            whole = (
-                *(SpokenWord(mark.text, ()) for mark in lead),
-                *self._words_of(part, words),
-                *(SpokenWord(mark.text, ()) for mark in tail),
-            )
-            for word in whole:
+            first, last = ([SpokenWord(one.text, ()) for one in side] for side in (lead, tail))
+            for word in (*first, *self._words_of(part, words), *last):
                 if word.labels or word.unread or not (out and _is_pause(out[-1])):
                     out.append(word)
         while out and _is_pause(out[-1]):
@@ -272,9 +268,8 @@ class Utterances:
         yield from mapped[:first]
         for start, pause in part.starts:
             labels = start_labels(start, word, mapped[first].labels, self._is_vowel, vowels)
-            yield SpokenWord(
-                start + "-" * (not pause), labels, respelled_start(start, word, vowels)
-            )
+            say = respelled_start(start, word, vowels)
+            yield SpokenWord(start + "-" * (not pause), labels, say)
             yield from [SpokenWord(pause, ())] if pause else []
         if part.drawn is not None:
             mapped[first] = lengthened(mapped[first], part.drawn, self._is_vowel, vowels)
