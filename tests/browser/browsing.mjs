@@ -115,7 +115,12 @@ const WAIT = { timeout: 60000 };
 /** Return ways to ask a page of the studio about its open line, and to find a moment of it on the timeline. */
 export const lineOf = (page) => ({
   /** Wait until undo has this title. */
-  undoes: (title) => page.waitForFunction((wanted) => document.querySelector("#undo").title.startsWith(wanted), title, WAIT),
+  async undoes(title) {
+    const named = page.waitForFunction((wanted) => document.querySelector("#undo").title.startsWith(wanted), title, WAIT);
+    await named.catch(async (cause) => {
+      throw new Error(`not '${title}' but '${await page.getAttribute("#undo", "title")}'`, { cause });
+    });
+  },
   /** Return the phonemes and the words, with their times. */
   timings: () => page.evaluate(async () => JSON.parse((await (await fetch("api/timings/json")).json()).content)),
   settings: () => page.evaluate(async () => (await (await fetch("api/state")).json()).settings),

@@ -4,7 +4,7 @@
 //
 // A line with sound is open. Printed is JSON: `said` and `asked`, the errors and the requests to other places; the
 // rest below. With a folder, pictures of the steps are kept in it.
-import { inStudio, lineOf } from "./browsing.mjs";
+import { inStudio, lineOf, settle } from "./browsing.mjs";
 
 await inStudio(async ({ open, result, given: [pictures] }) => {
   const page = await open("#sentence", { viewport: { width: 1400, height: 900 } });
@@ -16,7 +16,7 @@ await inStudio(async ({ open, result, given: [pictures] }) => {
     await page.keyboard.press("Control+z");
     await performed;
     await undoes(left);
-    await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+    await settle(page);
   };
   /** Wait, frame by frame, until the server has what is asked for. `waitForFunction` does not await an answer. */
   const until = async (fulfilled) => {
@@ -134,6 +134,8 @@ await inStudio(async ({ open, result, given: [pictures] }) => {
   await page.keyboard.up("Shift");
   await undoes("Undo: Move the boundary");
   result.rippled = moved(await times(), whole);
+  await settle(page);
+  result.top = [box.y, (await page.locator("#timeline").boundingBox()).y];
   await undo("Nothing");
   const { words } = await line();
   result.word = words[1].text;

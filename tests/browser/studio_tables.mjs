@@ -98,11 +98,16 @@ const stories = {
     await page.waitForFunction(() => document.querySelectorAll(".own li").length === 2);
     await page.fill("[data-field=jaw]", "0.5");
     const loaded = page.waitForResponse((answer) => answer.url().endsWith("/words"));
+    let answered;
+    const typing = new Promise((done) => { answered = done; });
+    await page.route("**/words", async (route) => { await typing; await route.continue(); }); // the answer comes after the word
     await page.press("[data-field=jaw]", "Enter");
     await page.waitForFunction(() => document.querySelector("#undo").title.includes("jaw"));
     const unnamed = await nameless(page);
     await page.fill("[data-field=jaw]", "three");
+    answered();
     await loaded;
+    await page.unroute("**/words");
     await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
     const typed = await page.inputValue("[data-field=jaw]");
     await page.press("[data-field=jaw]", "Enter");

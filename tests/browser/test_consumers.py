@@ -60,7 +60,8 @@ def chromium():
 def run(*command):
     """Return the JSON output of a script, or fail with its error output."""
     done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=900, check=False)
-    assert (done.returncode, done.stderr) == (0, ""), done.stderr
+    if done.returncode or done.stderr:
+        pytest.fail(f"exit code {done.returncode}: {done.stderr}", pytrace=False)
     return json.loads(done.stdout)
 
 

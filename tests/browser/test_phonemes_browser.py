@@ -66,6 +66,8 @@ def test_a_boundary_rolls_ripples_and_a_word_moves(used):
     by = [one for one in rippled if one]
     assert len(by) > 2
     assert len(set(by)) == 1
+    before, after = used["top"]
+    assert before == after, "a longer line leaves the timeline under the hand"
     assert [one < 0 for one in carried].count(True) > 2
     assert used["original"]
 

@@ -78,7 +78,7 @@ class Story:
         pictures = os.environ.get("LIPSYNC_LANG_STUDIO_PICTURES", "")
         self.process = subprocess.Popen(
             [node, HERE / "studio.mjs", modules, chromium(), studio.address, name, pictures],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8",
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
         )  # fmt: skip
 
     def __enter__(self):
@@ -98,9 +98,10 @@ class Story:
 
     def end(self):
         """Return the results of the script, after a check for errors and foreign requests."""
-        out = self.process.stdout.read()
+        out, errors = self.process.stdout.read(), self.process.stderr.read()
         self.process.wait(timeout=300)
-        assert self.process.returncode == 0
+        if self.process.returncode:
+            pytest.fail(f"exit code {self.process.returncode}: {errors}", pytrace=False)
         told = json.loads(out)
         assert (told["said"], told["asked"]) == ([], [])
         return told

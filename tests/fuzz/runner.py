@@ -6,6 +6,7 @@ failure once, and keeps its smallest input in the corpus.
 
 import argparse
 import atexit
+import os
 import sys
 from collections.abc import Collection, Iterator
 from contextlib import suppress
@@ -44,7 +45,9 @@ class Finding(NamedTuple):
 @cache
 def folder_of(name: str) -> Path:
     """Return the temporary folder of a target's files."""
-    folder = TemporaryDirectory(prefix="lipsync-lang-fuzz-")
+    # The cache of a run goes when it ends; a worker of pytest-xdist ends before it can clean up.
+    cache = os.environ.get("LIPSYNC_LANG_CACHE")
+    folder = TemporaryDirectory(prefix="lipsync-lang-fuzz-", dir=cache)
     atexit.register(folder.cleanup)
     return Path(folder.name, name.replace("/", "-"))
 

@@ -32,6 +32,7 @@ NO_TARGET = {
     "production/builds/archives.py": "archives of our own; damaged ones have tests of their own",
     "production/builds/faces.py": "compares the data of models with files of our own",
     "production/builds/digests.py": "bytes, of any kind",
+    "production/builds/build_reports.py": "compares bytes of any kind with a report",
     "production/builds/build_run.py": "copies models, which are a target",
     "production/builds/making.py": "writes",
     "production/builds/project_build.py": "the project, which is a target",

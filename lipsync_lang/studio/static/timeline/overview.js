@@ -4,12 +4,16 @@ import { outline } from "./scales.js";
 
 const HEIGHT = 36;
 
-/** A strip that moves the view of a timeline; hidden while the timeline shows all. */
+/** A strip that moves the view of a timeline. */
 export class Overview {
-  /** @param {HTMLCanvasElement} canvas @param {import("./timeline.js").Timeline} timeline */
-  constructor(canvas, timeline) {
+  /**
+   * @param {HTMLCanvasElement} canvas @param {import("./timeline.js").Timeline} timeline
+   * @param {boolean} [stays] also while the timeline shows all: a strip that came and went would move a timeline under the hand
+   */
+  constructor(canvas, timeline, stays = false) {
     this.canvas = canvas;
     this.timeline = timeline;
+    this.stays = stays;
     /** @type {[number, number][]} */
     this.shape = [];
     const go = (/** @type {PointerEvent} */ event) => {
@@ -28,7 +32,7 @@ export class Overview {
   /** @param {number} seconds of the playhead */
   draw(seconds) {
     const { canvas, timeline } = this, { start, end, from, to, line, colours } = timeline;
-    canvas.hidden = to - from >= end - start - 1e-6;
+    canvas.hidden = !this.stays && to - from >= end - start - 1e-6;
     const context = canvas.getContext("2d");
     if (canvas.hidden || !context) return;
     const ratio = Math.min(3, window.devicePixelRatio || 1), wide = canvas.clientWidth;

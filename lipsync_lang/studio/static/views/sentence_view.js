@@ -92,7 +92,7 @@ export class SentenceView {
     this.bends = new BendHands(this);
     this.phonemes = new PhonemeHands(this);
     this.phonemePanel = new PhonemePanel(this.at.phoneme, this.phonemes);
-    this.overview = new Overview(this.at.overview, this.timeline);
+    this.overview = new Overview(this.at.overview, this.timeline, true);
     this.values = new TakeValues(at, {
       pick: (row) => this.pick(row),
       refold: () => this.#take(),
