@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from dataclasses import replace
 from functools import partial
+from itertools import chain, islice
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -347,9 +348,15 @@ def _report(
     deleted: list[str],
 ) -> tuple[dict[str, Any], list[Any], bool]:
     """Write the reports; return the figures, the lines past a limit, and if all passed."""
-    from lipsync_lang.production.builds.build_reports import report
+    from lipsync_lang.production.builds.build_tally import BuildTally, CountedLine
 
-    tally, over = report(project, outcome, project.refused(), reports, SHOWN_LINES)
+    refused = [*map(CountedLine.of, project.refused())]
+    tally = BuildTally(chain(outcome.lines(), refused))
+    if reports:
+        from lipsync_lang.production.builds.build_reports import report
+
+        report(project, outcome, chain(outcome.lines(), refused), tally, reports)
+    over = [*islice(tally.past_limits, SHOWN_LINES)]
     gone = [path for _, record in outcome.plan.gone for path in record.outputs]
     figures = {
         "lines": len(project.lines),

@@ -5,6 +5,7 @@ import sys
 from argparse import Namespace
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -96,26 +97,15 @@ def run(options: Namespace) -> int:
     usual = "all" if watched and not options.against else None
     animation = perform_line(options, performer, schedule, usual)
     offset = parse_offset(options.offset, animation.fps)
-    shown = replace(
-        _shown(options, performer, animation, writers),
-        export=ExportSettings(
-            offset,
-            error,
-            lines,
-            _against(options, performer, animation),
-            pose_names=options.poses,
-            frame_rate=options.stated_fps,
-        ),
-    )
-
+    shown = _shown(options, performer, animation, writers)
+    against = _against(options, performer, animation)
+    own = {"pose_names": options.poses, "frame_rate": options.stated_fps}
+    shown = replace(shown, export=ExportSettings(offset, error, lines, against, **own))
     # Files that people watch have gestures unasked, and files for engines only on request.
     spoken = shown if options.gestures is not None else shown.without_gestures()
-    takes = {path: shown if writer.shows else spoken for path, writer in writers.items()}
-
-    def writing(path: Path) -> Callable[[Any], None]:
-        return lambda stream: writers[path].write(takes[path], stream)
-
-    outputs = {path: writing(path) for path in writers}
+    outputs: dict[Path, Callable[[Any], None]] = {
+        path: partial(one.write, shown if one.shows else spoken) for path, one in writers.items()
+    }
     if options.plot:
         outputs[options.plot] = _plotting(options, animation.without_gestures())
     write_all(outputs)
@@ -181,10 +171,9 @@ def _shown(
         animation = performer.rigged(animation)
     if options.model is not None:
         animation = replace(animation, model=options.model)
+    model = animation.model and os.path.realpath(animation.model)
     for path in paths:
-        if animation.model is not None and os.path.realpath(path) == os.path.realpath(
-            animation.model
-        ):
+        if model and os.path.realpath(path) == model:
             raise OutputError(f"{path}: is the model of the character; name another file")
     return animation.cut() if options.cut else animation
 

@@ -1,5 +1,6 @@
 """The program in a process of its own: pipes, full disks, terminals and folders that are gone."""
 
+import gc
 import json
 import os
 import subprocess
@@ -8,6 +9,8 @@ import sys
 import pytest
 from command_line import PAIR
 from lanes import full, swept
+
+from lipsync_lang.cli import main
 
 pytestmark = pytest.mark.usefixtures("folder")
 
@@ -32,6 +35,19 @@ def test_the_program_starts_in_both_ways(program):
     assert done.stderr == (
         "lipsync-lang: lien.json: cannot be read: No such file or directory; check the path\n"
     )
+
+
+def test_only_the_program_changes_how_python_collects(monkeypatch, capsys):
+    usual = gc.get_threshold()
+    try:
+        assert main(["voices"]) == 0
+        assert gc.get_threshold() == usual
+        monkeypatch.setattr(sys, "argv", ["lipsync-lang", "voices"])
+        assert main() == 0
+        assert gc.get_threshold()[0] > usual[0]
+    finally:
+        gc.set_threshold(*usual)
+    capsys.readouterr()
 
 
 @full

@@ -73,29 +73,22 @@ REPORT_ENVIRONMENT.filters["share"] = lambda part, whole: percentage_text(
 def report(
     project: ProjectBuild,
     outcome: BuildOutcome,
-    refused: Sequence[BuiltLine],
+    lines: Iterable[CountedLine],
+    tally: BuildTally,
     paths: Sequence[Path],
-    most: int,
-) -> tuple[BuildTally, list[BuiltLine]]:
-    """Write the reports of a build; return counts of all lines, and the worst past a limit.
-
-    Lines are `refused` if the packs of their pair have faults.
-    """
-    lines = [*outcome.lines(), *map(CountedLine.of, refused)]
-    tally = BuildTally(lines)
-    if paths:
-        named = "name" in project.project.model_fields_set
-        heading = BuildHeading(
-            project.project.name if named else project.folder.name,
-            sum(not one.failed for one in outcome.built.values()),
-            len(outcome.plan.steps) - len(outcome.plan.stale),
-            tuple(outcome.kept),
-            outcome.seconds,
-        )
-        linking = next((path for path in paths if path.suffix.lower() == f".{PAGE}"), None)
-        pages = partial(_pages, project, outcome, linking) if linking else None
-        write_report(paths, lines, heading, tally, pages=pages)
-    return tally, [one for one in tally.worst if one.failed or one.unsure][:most]
+) -> None:
+    """Write the reports of a build of some lines, with pages of the worst ones."""
+    named = "name" in project.project.model_fields_set
+    heading = BuildHeading(
+        project.project.name if named else project.folder.name,
+        sum(not one.failed for one in outcome.built.values()),
+        len(outcome.plan.steps) - len(outcome.plan.stale),
+        tuple(outcome.kept),
+        outcome.seconds,
+    )
+    linking = next((path for path in paths if path.suffix.lower() == f".{PAGE}"), None)
+    pages = partial(_pages, project, outcome, linking) if linking else None
+    write_report(paths, lines, heading, tally, pages=pages)
 
 
 def _pages(

@@ -4,7 +4,8 @@ The badness of a figure is its value as a share of its limit: above 1 it is exce
 has no shares; its figures have 1 and more, by their value.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf, nan
@@ -67,6 +68,18 @@ class CountedLine(NamedTuple):
         """Return a line for the counts."""
         known = built.outcome == "failed", built.confidence, *packed_figures(built.figures)
         return cls(built.line, *known, lambda: built)
+
+
+def _blocks(lines: Iterable[CountedLine]) -> Iterator[list[tuple[int, CountedLine]]]:
+    """Yield blocks of lines of a pair with the same heading, and with their numbers."""
+    waiting: dict[tuple[str, str, str], list[tuple[int, CountedLine]]] = defaultdict(list)
+    for number, one in enumerate(lines):
+        block = waiting[one.line.language, one.line.character, one.heading]
+        block.append((number, one))
+        if len(block) == MAX_COUNTED_LINES:
+            yield block[:]
+            block.clear()
+    yield from filter(None, waiting.values())
 
 
 def histogram(bars: Floats) -> Ints:
@@ -137,38 +150,30 @@ class BuildTally:
         self.figures: dict[tuple[str, bool], FigureTally] = {}
         self.confidence: Ints = np.zeros(BINS, np.intp)
         """(BINS,) aligned lines by confidence."""
-        groups: dict[tuple[str, str, str], list[tuple[int, CountedLine]]] = {}
-        for one in lines:
-            key = one.line.language, one.line.character, one.heading
-            groups.setdefault(key, []).append((self.lines, one))
-            self.lines += 1
         # Rows of rank, two measures of badness, and the negated number of the line, so that the
         # earlier of equally bad lines is the larger row.
         ranks = [np.empty((0, 4))]
         every: dict[int, CountedLine] = {}
-        blocks = (
-            (heading, numbered[first : first + MAX_COUNTED_LINES])
-            for (*_, heading), numbered in groups.items()
-            for first in range(0, len(numbered), MAX_COUNTED_LINES)
-        )
-        for heading, numbered in blocks:
+        for numbered in _blocks(lines):
+            self.lines += len(numbered)
             # Lines with one heading have the same figures, so their values are one array.
-            order = self._add(heading, [one for _, one in numbered])
+            order = self._add([one for _, one in numbered])
             rows = np.column_stack([*order, [-number for number, _ in numbered]])
             rows = rows[np.lexsort(rows.T[::-1])[::-1][:most]]
             ranks.append(rows)
             kept = {-int(number) for number in rows[:, 3]}
             every |= {number: one for number, one in numbered if number in kept}
         ranked = np.concatenate(ranks)
-        worst = ranked[np.lexsort(ranked.T[::-1])[::-1][:most], 3]
-        self._worst = [every[-int(number)] for number in worst]
+        worst = ranked[np.lexsort(ranked.T[::-1])[::-1][:most]]
+        self._worst = [every[-int(number)] for number in worst[:, 3]]
+        self._past = int(np.count_nonzero(worst[:, 0]))
 
-    def _add(self, heading: str, lines: Sequence[CountedLine]) -> tuple[Floats, Floats, Floats]:
+    def _add(self, lines: Sequence[CountedLine]) -> tuple[Floats, Floats, Floats]:
         """Count (L,) lines of a pair with the same figures; return their order, (L,) each.
 
         Failed lines come first, then unsure ones by confidence, then others by their worst figures.
         """
-        values, limits, heads = unpacked_figures(heading, [one.figures for one in lines])
+        values, limits, heads = unpacked_figures(lines[0].heading, [one.figures for one in lines])
         failed = np.array([one.failed for one in lines])
         stated = [nan if one.confidence is None else one.confidence for one in lines]
         confidence = np.array(stated, float)
@@ -210,6 +215,12 @@ class BuildTally:
     def worst(self) -> list[BuiltLine]:
         """The worst lines first; equally bad lines stay in order."""
         return [one.whole() for one in self._worst]
+
+    @property
+    def past_limits(self) -> Iterator[BuiltLine]:
+        """Yield the worst lines that exceed a limit of the project, or may have another text."""
+        found = (one.whole() for one in self._worst[: self._past])
+        return (one for one in found if one.failed or one.unsure)
 
     @property
     def aligned(self) -> int:

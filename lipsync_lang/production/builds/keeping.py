@@ -2,10 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import isnan
 from pathlib import Path
 from typing import Any, Self
-
-import numpy as np
 
 from lipsync_lang.base.files.signals import undisturbed
 from lipsync_lang.base.files.writing import replace_file
@@ -120,11 +119,9 @@ def restored(line: PlannedLine, judged: Sequence[Any], result: Sequence[Any]) ->
         # Records of earlier builds have no words left out.
         outcome, message, seconds, notes, *left = result
         values, limits, heads = unpacked_figures(judged[1], [judged[2]])
-        stated = np.array([values[0], limits[0]])
-        known = stated.astype(object)
         # Arrays hold no None, so a missing value or limit is kept as not-a-number.
-        known[np.isnan(stated)] = None
-        rows = zip(heads, *known.tolist(), notes, strict=True)
+        known = ([None if isnan(n) else n for n in row[0].tolist()] for row in (values, limits))
+        rows = zip(heads, *known, notes, strict=True)
         figures = [
             JudgedFigure(name, value, unit, limit, at, words, binding)
             for (name, unit, binding), value, limit, (at, words) in rows

@@ -64,7 +64,7 @@ class PlannedStep:
 
     line: PlannedLine
     inputs: str
-    """Inputs for its record, as JSON."""
+    """Inputs for its record, as JSON; empty without a reason."""
     reasons: tuple[str, ...] = ()
     kept: tuple[str, ...] = ()
     """Outputs that somebody changed since the last build, which are left alone."""
@@ -128,33 +128,38 @@ def plan(  # noqa: PLR0913 the lines, records and options
     force : make every line
     overwrite : write outputs that somebody changed, too
     """
-    known = records.lines()
     planner = _Planner(folder, needs, force, overwrite, StandingOutputs(folder))
-    changed = _changed_needs(lines, known, records, needs)
     keyed = {line.key: line for line in lines}
-    steps = tuple(
-        planner.step(line, known.get(key), changed.get(key, ())) for key, line in keyed.items()
-    )
-    gone = tuple((key, record) for key, record in known.items() if key not in keyed)
-    return BuildPlan(steps, gone)
+    steps: dict[Key, PlannedStep] = {}
+    gone: list[tuple[Key, LineRecord]] = []
+    for block in records.blocks():
+        gone += [(key, _outcome(record)) for key, record in block if key not in keyed]
+        known = [(key, record) for key, record in block if key in keyed]
+        changed = _changed_needs(known, records, needs)
+        for key, record in known:
+            steps[key] = planner.step(keyed[key], record, changed.get(key, ()))
+    ordered = (steps.get(key) or planner.step(line, None, ()) for key, line in keyed.items())
+    return BuildPlan(tuple(ordered), tuple(gone))
+
+
+def _outcome(record: LineRecord) -> LineRecord:
+    """Return a record without what only the comparison needs: a million of them are kept."""
+    return replace(record, inputs="", contents="", needs=b"")
 
 
 def _changed_needs(
-    lines: Iterable[PlannedLine], known: Mapping[Key, LineRecord], records: Records, needs: Needs
+    known: Iterable[tuple[Key, LineRecord]], records: Records, needs: Needs
 ) -> dict[Key, tuple[str, ...]]:
     """Return the names of the needs of each line whose values have changed; one comparison a pair.
 
     Lines without a change are left out.
     """
-    grouped: dict[tuple[str, str], list[Key]] = {}
-    for line in lines:
-        if (key := line.key) in known:
-            grouped.setdefault((line.language, line.character), []).append(key)
+    grouped: dict[tuple[str, str], list[tuple[Key, bytes]]] = {}
+    for key, record in known:
+        grouped.setdefault(key[:2], []).append((key, record.needs))
     out: dict[Key, tuple[str, ...]] = {}
-    for pair, keys in grouped.items():
-        own = records.needs(pair)
-        each = [own[key[2]] for key in keys]
-        every = np.frombuffer(b"".join(each), NEED)
+    for pair, own in grouped.items():
+        every = np.frombuffer(b"".join(stated for _, stated in own), NEED)
         if every["number"].max(initial=0) > len(records.names):
             raise unusable()
         # Each need of a pair is computed once, and compared with all lines in one array.
@@ -164,10 +169,10 @@ def _changed_needs(
         now[used] = np.frombuffer(b"".join(values), "<u8")
         other = np.flatnonzero(now[every["number"]] != every["digest"])
         if other.size:
-            ends = np.cumsum([len(one) for one in each]) // NEED.itemsize
+            ends = np.cumsum([len(stated) for _, stated in own]) // NEED.itemsize
             for place, row in zip(other.tolist(), ends.searchsorted(other, "right"), strict=True):
                 name = records.name(int(every["number"][place]))
-                out[keys[row]] = (*out.get(keys[row], ()), name)
+                out[own[row][0]] = (*out.get(own[row][0], ()), name)
     return out
 
 
@@ -190,7 +195,6 @@ class _Planner:
         if record is None:
             reasons.append("it is new")
         else:
-            text = record.inputs if text == record.inputs else text  # one text for both
             reasons += self._inputs_changed(inputs, text, record)
             reasons += [f"{need_in_words(name)} changed" for name in changed]
             if record.verdict == "failed":
@@ -206,7 +210,9 @@ class _Planner:
                 reasons.append(f"{path} {REMAKE_REASONS[state]}")
         if line.outputs and len(kept) == len(line.outputs):
             reasons = []
-        return PlannedStep(line, text, tuple(reasons), tuple(kept), tuple(unknown), record)
+        known = record if record is None else _outcome(record)
+        made = text if reasons else ""
+        return PlannedStep(line, made, tuple(reasons), tuple(kept), tuple(unknown), known)
 
     def _inputs_changed(
         self, inputs: Mapping[str, Any], text: str, record: LineRecord

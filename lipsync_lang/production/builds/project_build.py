@@ -304,15 +304,9 @@ class ProjectBuild:
 
     def refused(self) -> list[BuiltLine]:
         """Return the lines of pairs whose packs have faults, as failed."""
-        return [
-            BuiltLine(
-                line,
-                "failed",
-                f"{line.place}: {line.language} on {line.character} has faults in its packs",
-            )
-            for line in self.lines
-            if (line.language, line.character) in self.unsound
-        ]
+        told = "{0.place}: {0.language} on {0.character} has faults in its packs".format
+        lost = (one for one in self.lines if (one.language, one.character) in self.unsound)
+        return [BuiltLine(one, "failed", told(one)) for one in lost]
 
 
 def planning_faults(file: Path, paths: Iterable[Path] = ()) -> list[Fault]:

@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from sys import intern
 from typing import Any, NamedTuple, Self
@@ -25,7 +26,7 @@ from lipsync_lang.production.builds.unchanged import FOLDER, RECORDS_FILE
 
 RECORD_CURE = "copy the project to another folder, since a build keeps its record there"
 
-ROWS = 1000
+ROWS = 200
 """Number of rows to read at once."""
 
 RECORDS_VERSION = 3
@@ -51,8 +52,6 @@ CREATE TABLE IF NOT EXISTS line (
 
 SELECT_RESULT = "SELECT result FROM line WHERE language = ? AND character = ? AND name = ?"
 
-SELECT_NEEDS = "SELECT name, needs FROM line WHERE language = ? AND character = ?"
-
 DELETE_LINE = "DELETE FROM line WHERE language = ? AND character = ? AND name = ?"
 
 _ENCODER = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"))
@@ -77,7 +76,7 @@ class LineRecord:
     ----------
     inputs : statements of the project on the line, and sizes and times of its files; JSON
     contents : digest of each file that it was made from, by path; JSON
-    needs : bytes of (n,) `NEED`: needs with their digests; empty in `Records.lines`
+    needs : bytes of (n,) `NEED`: needs with their digests
     outputs : by path from the project's folder
     heading, figures : figures of quality, as `packed_figures` has them
     result : the rest of a `BuiltLine` as JSON, which is read by `Records.result` alone
@@ -149,39 +148,30 @@ class Records:
             except sqlite3.DatabaseError as error:
                 raise _damaged(path, error) from None
 
-    def lines(self) -> dict[Key, LineRecord]:
-        """Return every record, without results and needs."""
+    def blocks(self) -> Iterator[list[tuple[Key, LineRecord]]]:
+        """Yield every record without its result, some at a time."""
         cursor = self._base.execute(
-            "SELECT language, character, name, outputs, at, inputs, contents, verdict, "
+            "SELECT language, character, name, outputs, at, inputs, contents, needs, verdict, "
             "confidence, heading, figures FROM line"
         )
-        found: dict[Key, LineRecord] = {}
-        headings: dict[str, str] = {}
         try:
             while rows := cursor.fetchmany(ROWS):
+                found: list[tuple[Key, LineRecord]] = []
                 # Many outputs at once take half the time.
                 outputs = json.loads(f"[{','.join([row[3] for row in rows])}]")
                 for row, written in zip(rows, outputs, strict=True):
-                    at, inputs, contents, verdict, confidence, heading, figures = row[4:]
+                    at, inputs, contents, needs, verdict, confidence, heading, figures = row[4:]
                     # SQLite keeps any type in any column, and `isinstance` takes a bool for an
                     # integer.
-                    types = type(at), type(figures), type(confidence or 0.0)
-                    if types != (int, bytes, float):
+                    types = type(at), type(figures), type(needs), type(confidence or 0.0)
+                    if types != (int, bytes, bytes, float) or len(needs) % NEED.itemsize:
                         raise unusable()
                     paths = {path: OutputRecord(*one) for path, one in written.items()}
-                    heading = headings.setdefault(heading, heading)
-                    known = inputs, contents, b"", paths, verdict, confidence
-                    found[row[:3]] = LineRecord(*known, heading, figures, "", at)
+                    known = inputs, contents, needs, paths, verdict, confidence
+                    found.append((row[:3], LineRecord(*known, intern(heading), figures, "", at)))
+                yield found
         except (ValueError, TypeError, AttributeError, RecursionError):
             raise unusable() from None
-        return found
-
-    def needs(self, pair: tuple[str, str]) -> dict[str, bytes]:
-        """Return the needs of each line of a pair, by name."""
-        found = dict[str, bytes](self._base.execute(SELECT_NEEDS, pair).fetchall())
-        if any(type(one) is not bytes or len(one) % NEED.itemsize for one in found.values()):
-            raise unusable()
-        return found
 
     def result(self, key: Key) -> Any:
         """Return the result of a line."""
@@ -265,11 +255,16 @@ def unpacked_figures(
 ) -> tuple[Floats, Floats, list[tuple[str, str, bool]]]:
     """Return (L, F) values and limits of L lines with the same heading, and the heading."""
     try:
-        heads = [(str(name), str(unit), bool(own)) for name, unit, own in json.loads(heading)]
+        heads = _heads(heading)
         numbers = np.frombuffer(b"".join(figures), "<f8").reshape(len(figures), 2, len(heads))
     except (ValueError, TypeError, RecursionError):
         raise unusable() from None
     return numbers[:, 0], numbers[:, 1], heads
+
+
+@lru_cache(64)
+def _heads(heading: str) -> list[tuple[str, str, bool]]:
+    return [(str(name), str(unit), bool(own)) for name, unit, own in json.loads(heading)]
 
 
 def unusable(

@@ -19,7 +19,7 @@ import lipsync_lang as ll
 from lipsync_lang.animations.animation_readers import read_animation
 from lipsync_lang.cli import main
 from lipsync_lang.commands import build as build_command
-from lipsync_lang.production.builds import build_run, keeping, making, needs, workers
+from lipsync_lang.production.builds import build_run, keeping, making, needs, records, workers
 from lipsync_lang.production.builds.archives import rewrite
 from lipsync_lang.production.builds.build_tally import BuildTally
 from lipsync_lang.production.builds.making import LineBatch
@@ -636,11 +636,21 @@ def test_a_dry_run_writes_nothing(game):
 
 
 def test_a_need_is_stored_once(built):
-    with Records.open(built.folder, write=False) as records:
-        needs = records.needs(("english", "facefx"))
-    assert set(needs) == set(ALL)
-    used = {int(n) for one in needs.values() for n in np.frombuffer(one, NEED)["number"]}
-    assert used == set(records.names)
+    with Records.open(built.folder, write=False) as known:
+        held = {key[2]: one.needs for block in known.blocks() for key, one in block}
+    assert set(held) == set(ALL)
+    used = {int(n) for one in held.values() for n in np.frombuffer(one, NEED)["number"]}
+    assert used == set(known.names)
+
+
+@pytest.mark.parametrize("rows", [1, 3])
+def test_a_record_is_compared_in_parts_of_any_size(built, monkeypatch, rows):
+    monkeypatch.setattr(records, "ROWS", rows)
+    assert built.build().built == []
+    built.bank(0.5)
+    built.script(["map", "low", "home"])
+    assert built.build("--dry-run").stale == {"low": ["the bigram l-ow changed"]}
+    assert built.build().built == ["low"]
 
 
 # Archives

@@ -119,8 +119,11 @@ def badness(line):
     ),
     st.integers(0, 8),
 )
-def test_every_line_is_counted_and_the_worst_are_the_worst(lines, most):
-    tally = BuildTally(map(CountedLine.of, lines), most)
+@pytest.mark.parametrize("counted_at_once", [4096, 3])
+def test_every_line_is_counted_and_the_worst_are_the_worst(counted_at_once, lines, most):
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(build_tally, "MAX_COUNTED_LINES", counted_at_once)
+        tally = BuildTally(map(CountedLine.of, lines), most)
     assert tally.lines == len(lines) == sum(pair.lines for pair in tally.pairs.values())
     assert tally.failed == sum(line.outcome == "failed" for line in lines)
     assert tally.over == sum(bool(line.failed) for line in lines)
@@ -131,6 +134,7 @@ def test_every_line_is_counted_and_the_worst_are_the_worst(lines, most):
     assert sum(tally.confidence) == tally.aligned
     expected = sorted(lines, key=badness, reverse=True)[:most]
     assert list(map(badness, tally.worst)) == list(map(badness, expected))
+    assert [*tally.past_limits] == [one for one in tally.worst if one.failed or one.unsure]
 
 
 def test_failed_lines_come_first_then_those_farthest_over_a_limit():

@@ -152,8 +152,9 @@ def test_an_edited_bigram_of_a_real_script_remakes_exactly_its_lines(real):
     assert len(real.build(*only).built) == 3
     with Records.open(real.folder, write=False) as records:
         needs = {
-            name: {records.names[n] for n in np.frombuffer(packed, NEED)["number"].tolist()}
-            for name, packed in records.needs(("english", "facefx")).items()
+            name: {records.names[n] for n in np.frombuffer(one.needs, NEED)["number"].tolist()}
+            for block in records.blocks()
+            for (_, _, name), one in block
         }
     bigrams = sorted({one for some in needs.values() for one in some if one.startswith("bigram ")})
     counts = {one: [name for name in needs if one in needs[name]] for one in bigrams}
