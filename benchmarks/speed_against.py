@@ -1,4 +1,4 @@
-"""Ratios of two revisions: the other is built in an environment of its own, and both run in turn.
+"""Ratios of two revisions: each is built in an environment of its own, and both run in turn.
 
 Times are of processors, user and system, the least of some runs: other programs disturb them least.
 Both revisions run this script, which calls only commands and public names that both have.
@@ -126,20 +126,25 @@ def measured(count: int) -> Rows:
 
 
 @contextmanager
-def environment(revision: str) -> Iterator[str]:
-    """Yield the Python of a temporary environment that has another revision."""
+def environment(revision: str | None) -> Iterator[str]:
+    """Yield the Python of a temporary environment that has another revision, or the files here.
+
+    A start reads the names of all installed packages, so both environments have the same ones.
+    """
     with tempfile.TemporaryDirectory() as folder:
-        tree, venv = Path(folder) / "tree", Path(folder) / "venv"
+        tree, venv = Path(folder) / "tree" if revision else ROOT, Path(folder) / "venv"
         python = str(venv / ("Scripts/python.exe" if os.name == "nt" else "bin/python"))
         do = partial(subprocess.run, check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
-        do(["git", "worktree", "add", "--detach", str(tree), revision])
+        if revision:
+            do(["git", "worktree", "add", "--detach", str(tree), revision])
         try:
-            say(f"{revision} is built in an environment of its own")
+            say(f"{revision or 'this revision'} is built in an environment of its own")
             do([sys.executable, "-m", "venv", str(venv)])
             do([python, "-m", "pip", "install", "-q", f"{tree}[speech]"])  # builds speak
             yield python
         finally:
-            do(["git", "worktree", "remove", "--force", str(tree)])
+            if revision:
+                do(["git", "worktree", "remove", "--force", str(tree)])
 
 
 def _rows(python: str, count: int) -> Rows:
@@ -158,16 +163,16 @@ def compare(revision: str, count: int) -> Iterator[str]:
         yield from _compared(revision, count)
     except subprocess.CalledProcessError as error:
         step = shlex.join(map(str, error.cmd))
-        raise SystemExit(f"{revision} is not measured: {step} failed, as told above") from None
+        raise SystemExit(f"nothing is measured: {step} failed, as told above") from None
 
 
 def _compared(revision: str, count: int) -> Iterator[str]:
     """Yield a line for each figure: there, here, and their ratio."""
-    with environment(revision) as other:
+    with environment(revision) as other, environment(None) as own:
         runs: list[list[Rows]] = [[], []]
         for turn in range(TURNS):
             say(f"turn {turn + 1} of {TURNS}")
-            for found, python in zip(runs, (other, sys.executable), strict=True):
+            for found, python in zip(runs, (other, own), strict=True):
                 # builds take minutes, and are measured once
                 found.append(_rows(python, 0 if turn else count))
     there, here = (

@@ -31,16 +31,13 @@ LOG_VARIABLE = "LIPSYNC_LANG_LOG"
 
 LOG_LEVELS = {"debug": logging.DEBUG, "info": logging.INFO, "warning": logging.WARNING}
 
-MADE_BEFORE_COLLECTION = 20_000
-"""Number of new objects at which Python looks for unused cycles of them."""
-
 _log = logging.getLogger(__name__)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
-    if arguments is None:  # as a program: a start makes much and drops little
-        gc.set_threshold(MADE_BEFORE_COLLECTION)
+    if arguments is None:  # as a program: a start makes many objects, and drops few
+        gc.set_threshold(20_000)
     _encode_all()
     try:
         with terminating(), safe_streams():

@@ -386,11 +386,11 @@ def _declared(folder: str, start: str) -> dict[str, list[EntryPoint]]:
         return found
     for name in names:
         if name.startswith(start) and name.endswith((".dist-info", ".egg-info", ".egg")):
-            inner = Path(folder, name, "EGG-INFO" if name.endswith(".egg") else "")
-            text = _text(inner / "entry_points.txt")
+            inner = os.path.join(folder, name, "EGG-INFO" if name.endswith(".egg") else "")  # noqa: PTH118 hundreds
+            text = _text(f"{inner}/entry_points.txt")
             if "[lipsync_lang." not in text:
                 continue
-            head = _text(inner / "METADATA") or _text(inner / "PKG-INFO")
+            head = _text(f"{inner}/METADATA") or _text(f"{inner}/PKG-INFO")
             stated = dict(re.findall(r"^(Name|Version):[ \t]*(\S+)", head, re.MULTILINE))
             dist, version = stated.get("Name", name.partition("-")[0]), stated.get("Version", "")
             group, own = "", list[EntryPoint]()
@@ -404,8 +404,9 @@ def _declared(folder: str, start: str) -> dict[str, list[EntryPoint]]:
     return found
 
 
-def _text(path: Path) -> str:
+def _text(path: str) -> str:
     try:
-        return path.read_text("utf-8", "replace")
+        with open(path, encoding="utf-8", errors="replace") as stream:  # noqa: PTH123 hundreds
+            return stream.read()
     except OSError:
         return ""

@@ -266,7 +266,7 @@ def corrected(
     If the text, the voice or the recording has changed since, phonemes or times are not used, and
     a remark says so.
     """
-    if stated.get("language", compiled.language) != compiled.language:
+    if not stated or stated.get("language", compiled.language) != compiled.language:
         return schedule
     levels = dict(stated.get("emphasis", ()))
     if levels:

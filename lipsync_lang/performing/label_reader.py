@@ -99,10 +99,13 @@ class LabelReader:
                     f"{one!a:.60} is no schedule: pass ll.speak(TEXT, LANGUAGE), "
                     "ll.align(RECORDING, TEXT, LANGUAGE) or ll.read_schedule(FILE)"
                 )
+        found: list[LabelSounds] = []
         for one in schedules:
-            if one not in self._heard:
-                self._heard[one] = self._sounds(one)
-        return [self._heard[one] for one in schedules]
+            sounds = self._heard.get(one)
+            if sounds is None:
+                sounds = self._heard[one] = self._sounds(one)
+            found.append(sounds)
+        return found
 
     def _sounds(self, schedule: Schedule) -> LabelSounds:
         """Map the labels of a schedule."""

@@ -89,9 +89,8 @@ class LabelTable(dict[str, int]):
         The first is None unless each label has one sound.
         """
         # `__missing__` runs only for new labels, so known ones are looked up in C alone
-        known = list(map(self.__getitem__, labels))
-        codes = np.array(known, np.intp)
-        if max(known) < SEVERAL:  # numpy's maximum takes longer for some tens of labels
+        codes = np.array(list(map(self.__getitem__, labels)), np.intp)
+        if codes.max() < SEVERAL:
             return codes, codes[:0]
         ids, marks = codes % MARK, codes // MARK + UNMARKED
         return None if ids.max() == SEVERAL else ids, marks

@@ -447,10 +447,10 @@ def _animate(
     moving = asked.get("gestures")
     if moving:
         from lipsync_lang.performing import gesturing
+    sources = {line: PerformedLine(performer, {"line": line, **asked}) for line in names}
     out, tables = [], None
     for asked_for, sounds, line in zip(schedules, read, names, strict=True):
         schedule = without_gaps(performer, asked_for, sounds)
-        settings = {"line": line, **asked}
         said = LineDelivery.of(performer, schedule, sounds, line, asked)
         if kept is not None and not (said.blends or said.overlays or said.bends or said.others):
             times, weights = kept.utter(sounds.ids, sounds.times, said.dials)
@@ -465,13 +465,13 @@ def _animate(
         scales = gesturing.scales_of(performer.compiled, moving, line) if moving else None
         if scales is not None:
             line_at = performer, schedule, times, fps
-            curves, _ = gesturing.gesture_curves(*line_at, scales, settings)
+            curves, _ = gesturing.gesture_curves(*line_at, scales, sources[line].settings)
             weights = np.concatenate((weights, curves), axis=1)
             poses += performer.gesture_set.poses
             channels += performer.gesture_channels
         out.append(Animation.filled(
             times=times, poses=poses, weights=weights, fps=fps, schedule=schedule,
-            source=PerformedLine(performer, settings), channels=channels, model=performer.model,
+            source=sources[line], channels=channels, model=performer.model,
             neutral=compiled.neutral, contacts=dict(performer.contact_floors),
         ))  # fmt: skip
     return out

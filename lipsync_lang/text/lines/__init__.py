@@ -4,5 +4,7 @@
 spoken text, without markup and placeholders, and its place in the file.
 """
 
-from lipsync_lang.text.lines.line_readers import Line as Line
-from lipsync_lang.text.lines.line_readers import read_lines as read_lines
+import lazy_loader
+
+# The stub lists the names. A performer needs markup alone, and no readers.
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
