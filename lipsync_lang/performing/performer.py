@@ -353,7 +353,7 @@ class Performer(PlayedPair):
         return animation.explain(seconds)
 
     def common_phonemes(self, schedule: Schedule) -> tuple[Ints, Floats, Ints]:
-        """Map the labels of a schedule to (m,) common phonemes.
+        """Map the labels of a schedule to (m,) indices in `compiled.phonemes`.
 
         The others are (m + 1,) boundaries in seconds, and (m,) indices of the labels.
         """
