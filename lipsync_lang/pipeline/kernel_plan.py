@@ -113,20 +113,13 @@ def _plan(tables: Tables, motion: Motion, prepared: StageValues, fps: float) -> 
     for row, bound in zip(high, tables.binding, strict=True):
         row[bound.high] = True
     upper = tables.held if holds and motion.limit == "before" else np.zeros(poses)
+    numbers = fps, prepared.step, motion.silence_reach, motion.sound_reach, motion.added_silence
     return kernel.compiled.plan(
         # the kernel allocates its results by numpy, and so needs no numpy headers
         np.empty,
         _bools(list(_flags(motion, prepared, bool(contacts)).values())),
         _ints(list(_sizes(tables, prepared, len(contacts), wide, shared).values())),
-        _bounded(
-            [
-                fps,
-                prepared.step,
-                motion.silence_reach,
-                motion.sound_reach,
-                motion.added_silence,
-            ]
-        ),
+        _bounded(numbers),
         _floats(prepared.ramps),
         _ints(prepared.early),
         _floats(prepared.left),

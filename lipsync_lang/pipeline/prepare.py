@@ -18,12 +18,13 @@ Contacts
 Constraints
     A threshold of 1 or more is convex. One below is so if its higher pose never passes it, which
     is seen to, unless a contact needs more of that pose: then the constraints come once more
-    after the softening, exact but with their corners.
+    after the softening, exact but with their corners. So beside a floor of the lower pose the
+    higher one has a ceiling, at what their threshold leaves.
 
 The paper has none of this.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import ceil, floor, inf
 from typing import NamedTuple, Self
@@ -140,8 +141,8 @@ def _prepared(tables: Tables, motion: Motion, fps: float) -> StageValues:
     ones = np.ones(len(half))
     under = [keeping.levels(1 - c.ceiling, _unimplied(tables, c), ones) for c in contacts]
     lowered = tuple(
-        (*(Plateau(p, 1 - weight) for p, weight in levels), *_excluded(tables, high))
-        for levels, high in zip(under, raised, strict=True)
+        (*(Plateau(p, 1 - weight) for p, weight in levels), *_excluded(tables, c, high, keeping))
+        for c, levels, high in zip(contacts, under, raised, strict=True)
     )
     enveloped = motion.limit == "before" and not motion.hold
     both = {p for levels in lowered for p, _ in levels if tables.held[p]}
@@ -239,14 +240,18 @@ def _exclusive(tables: Tables, cap: Cap) -> bool:
     return bool(low > 0 and (high == 0 or low + high > cap.threshold + ROUNDING))
 
 
-def _excluded(tables: Tables, raised: Sequence[Plateau]) -> list[Plateau]:
-    """Return ceilings of poses that a contact keeps down for its own floors."""
+def _excluded(
+    tables: Tables, contact: Contact, raised: Sequence[Plateau], keeping: "_HoldLevels"
+) -> Iterator[Plateau]:
+    """Yield ceilings of poses that a contact keeps down for its own floors."""
     levels = dict(raised)
-    return [
-        Plateau(cap.high, cap.threshold - levels[cap.low])
-        for cap in tables.caps
-        if cap.low in levels and cap.high not in levels and _exclusive(tables, cap)
-    ]
+    for cap in tables.caps:
+        low, high, threshold = cap
+        if low in levels and high not in levels and _exclusive(tables, cap):
+            yield Plateau(high, threshold - levels[low])
+            if threshold < tables.floors[high]:  # not convex: kept once more after the softening
+                under = 1 - threshold + float(contact.floor[low])
+                yield Plateau(high, 1 - keeping.level(high, under, 1.0))
 
 
 def _tops(
