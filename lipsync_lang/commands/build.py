@@ -260,8 +260,8 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
         if not (plan.stale or deleted or project.unsound):
             told = list(map(str, remarks.now))
             said = {"figures": figures, "words": words, "passed": passed, "remarks": told}
-            outputs = plan.stamps(project.folder)
-            log.keep(records.path.parent, options, said=said, outputs=outputs, reports=reports)
+            files = plan.files(project.folder)
+            log.keep(records.path.parent, options, said=said, files=files, reports=reports)
     if options.json:
         teller("end", figures)
     elif outcome.built or remarks.changed or not options.watch:

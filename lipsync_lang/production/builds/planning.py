@@ -57,6 +57,9 @@ REMAKE_REASONS = {
 STANDING = ("edited", "unknown")
 """States of an output that a build must not replace."""
 
+NO_OUTPUTS: Mapping[str, OutputRecord] = {}
+"""Outputs of a record whose line stays as it is: nobody asks for them again."""
+
 
 @dataclass(frozen=True, slots=True)
 class PlannedStep:
@@ -71,7 +74,7 @@ class PlannedStep:
     unknown: tuple[str, ...] = ()
     """Outputs that stand where no build wrote."""
     record: LineRecord | None = None
-    """Record of the last build."""
+    """Record of the last build; with outputs if there is a reason."""
 
     @property
     def making(self) -> PlannedLine:
@@ -99,16 +102,14 @@ class BuildPlan:
         """The outputs to keep, because a person changed them."""
         return tuple(path for step in self.steps for path in step.kept)
 
-    def stamps(self, folder: Path) -> Iterator[tuple[str, tuple[int, int]]]:
-        """Yield the files of the lines, each with its size and time if a record states them."""
+    def files(self, folder: Path) -> Iterator[str]:
+        """Yield the outputs, timings and recordings of the lines."""
         home = str(folder)
-        for step in self.steps:
-            known = step.record.outputs if step.record is not None else {}
-            for _, path in step.line.outputs:
-                file, _ = split_archive(path) or (path, "")
-                yield os.path.join(home, file), known.get(path, (-1, -1))[:2]  # noqa: PTH118
-            for read in filter(None, (step.line.timings, step.line.audio)):
-                yield os.path.join(home, read), (-1, -1)  # noqa: PTH118
+        for line in (step.line for step in self.steps):
+            for _, path in line.outputs:
+                yield os.path.join(home, (split_archive(path) or (path,))[0])  # noqa: PTH118
+            for read in filter(None, (line.timings, line.audio)):
+                yield os.path.join(home, read)  # noqa: PTH118
 
 
 def plan(  # noqa: PLR0913 the lines, records and options
@@ -133,7 +134,7 @@ def plan(  # noqa: PLR0913 the lines, records and options
     steps: dict[Key, PlannedStep] = {}
     gone: list[tuple[Key, LineRecord]] = []
     for block in records.blocks():
-        gone += [(key, _outcome(record)) for key, record in block if key not in keyed]
+        gone += [(key, _made(record)) for key, record in block if key not in keyed]
         known = [(key, record) for key, record in block if key in keyed]
         changed = _changed_needs(known, records, needs)
         for key, record in known:
@@ -142,9 +143,9 @@ def plan(  # noqa: PLR0913 the lines, records and options
     return BuildPlan(tuple(ordered), tuple(gone))
 
 
-def _outcome(record: LineRecord) -> LineRecord:
+def _made(record: LineRecord, **other: Any) -> LineRecord:
     """Return a record without what only the comparison needs: a million of them are kept."""
-    return replace(record, inputs="", contents="", needs=b"")
+    return replace(record, inputs="", contents="", needs=b"", **other)
 
 
 def _changed_needs(
@@ -210,9 +211,10 @@ class _Planner:
                 reasons.append(f"{path} {REMAKE_REASONS[state]}")
         if line.outputs and len(kept) == len(line.outputs):
             reasons = []
-        known = record if record is None else _outcome(record)
+        if record is not None:
+            record = _made(record) if reasons else _made(record, outputs=NO_OUTPUTS)
         made = text if reasons else ""
-        return PlannedStep(line, made, tuple(reasons), tuple(kept), tuple(unknown), known)
+        return PlannedStep(line, made, tuple(reasons), tuple(kept), tuple(unknown), record)
 
     def _inputs_changed(
         self, inputs: Mapping[str, Any], text: str, record: LineRecord

@@ -101,12 +101,12 @@ class BuildLog:
         options: Namespace,
         *,
         said: dict[str, Any],
-        outputs: Iterable[tuple[str, tuple[int, int]]],
+        files: Iterable[str],
         reports: Sequence[Path],
     ) -> None:
         """Write the index, unless something may have changed during the build.
 
-        `own` is the folder of the record, which states the size and time of each of the `outputs`.
+        `own` is the folder of the record, and the `files` of lines must be there.
         """
         self.listens = False
         if not self.whole:
@@ -115,7 +115,7 @@ class BuildLog:
         states = chain(
             ((state, path) for (path, _), state in self.states.items()),
             ((_file_state(path, self.settled), path) for path in filter(None, modules)),
-            ((_file_state(path, self.settled, stamp), path) for path, stamp in outputs),
+            ((_file_state(path, self.settled, lost=b""), path) for path in files),
             ((_file_state(str(path)), str(path)) for path in self._written(own, reports)),
         )
         head, whole = {"key": _key(options), "said": said}, blake2b()
@@ -175,21 +175,18 @@ def _line(found: tuple[bytes, str]) -> bytes:
     return b"%s\t%s" % (state, os.fsencode(path))
 
 
-def _file_state(
-    path: str, settled: int | None = None, stamp: tuple[int, int] | None = None
-) -> bytes:
-    """Return the size, times and number of a file, or `f` without one.
+def _file_state(path: str, settled: int | None = None, lost: bytes = b"f") -> bytes:
+    """Return the size, times and number of a file, or the state of a `lost` one.
 
-    The text is empty if the file changed after the time `settled`, and has not the size and time
-    of the `stamp`, or if a file with a stamp is gone. A link that leads elsewhere, or a folder of
-    another name, may hold files of one size that were unpacked at once: their numbers differ.
+    The text is empty if the file changed after the time `settled`. A link that leads elsewhere, or
+    a folder of another name, may hold files of one size that were unpacked at once: their numbers
+    differ.
     """
     try:
         stat = os.stat(path)  # noqa: PTH116 thousands of files
     except (OSError, ValueError):
-        return b"f" if stamp is None else b""
-    late = settled is not None and max(stat.st_mtime_ns, stat.st_ctime_ns) > settled
-    if late and stamp != (stat.st_size, stat.st_mtime_ns):
+        return lost
+    if settled is not None and max(stat.st_mtime_ns, stat.st_ctime_ns) > settled:
         return b""
     return b"f %d %d %d %d" % (stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns, stat.st_ino)
 
