@@ -204,8 +204,8 @@ class LanguageText(Strict):
     ranks: Annotated[
         dict[Text, Annotated[str, Field(pattern=r"^[^{}|]+$")]], Short(_each_spelling)
     ] = Field(default={})
-    """The words for ranks, such as `por.: porucznik`, which stand before a name with a capital. The
-    same spelling in `abbreviations` says what is read elsewhere."""
+    """The words for ranks, such as `por.: porucznik`, which stand before a name with a capital, or
+    before another rank. The same spelling in `abbreviations` says what is read elsewhere."""
     letters: dict[Annotated[str, Field(pattern="^[A-Z]$")], Text] = Field(default={})
     """Names of Latin letters, for an engine that knows none. Capitals in a row are spelled if all
     have names: a language in Latin letters names its consonants, and reads `NATO` as a word.

@@ -115,8 +115,10 @@ class AbbreviationKeys:
         self._minus = self._expansions.get("-#", "").partition("{")[0]
         self._decimal = forms.decimal
         self._thousands = forms.thousands
-        particles = map(re.escape, sorted(forms.particles, key=len, reverse=True))
-        self._particle = re.compile(f"(?:(?:{'|'.join(particles)}) ?)?")
+        # `van` of a name, and `ст.` of `тов. ст. л-т Серов`
+        ranks = (rf"{re.escape(key)}(?!\w)" for key, to in forms.abbreviations.items() if "|" in to)
+        particles = sorted((*map(re.escape, forms.particles), *ranks), key=len, reverse=True)
+        self._particle = re.compile(f"(?:(?:{'|'.join(particles)}) ?){{,2}}")
         between = re.escape(forms.thousands) + _SPACES
         self._grouped = re.compile(
             rf"(?<!\d[{_SPACES}])(?:(?!0)\d{{1,3}}(?:[{between}]\d{{3}})+|\d\d?(?:,\d\d)+,\d{{3}})"
@@ -171,12 +173,11 @@ class AbbreviationKeys:
             if start[0] in self._ends:
                 yield Replacement(*start.span(), self._ends[start[0]])
                 continue
-            if start[0].isalpha() and (
-                self._beginnings.keys().isdisjoint(((start[0], text[at : at + 1]), (start[0], "")))
-                or is_spaced(text[max(at - 2, 0) : at - 1])
-            ):
+            pairs = {(one[at - 1], two) for one in (text, *calm) for two in (one[at : at + 1], "")}
+            within = is_spaced(text[max(at - 2, 0) : at - 1])
+            if start[0].isalpha() and (within or self._beginnings.keys().isdisjoint(pairs)):
                 continue
-            ways = (*calm, text, plain) if start[0].isdecimal() else (text, plain)
+            ways = (*calm, text, plain) if start[0].isdecimal() else (text, plain, *calm)
             found, read = max(
                 (self._match(one, start.start()) for one in dict.fromkeys(ways)),
                 key=lambda match: match[0].end() if match[0] else -1,
@@ -337,7 +338,7 @@ def _fits(found: re.Match[str], read: str, particle: re.Pattern[str] | None) -> 
         before = found.string[max(found.start() - SEEN_KEY_CHARS, 0) : found.start()].rstrip()
         return after[:1].isalpha() and not after[:1].islower() and not before[-1:].isdigit()
     if particle:
-        return particle.sub("", after, count=1)[:1].isupper()
+        return after[:1].isupper() or particle.sub("", after, count=1)[:1].isupper()
     return any(map(str.isalnum, after[:3])) or not key[0].isupper()
 
 
