@@ -83,7 +83,6 @@ HAVE_TARGETS = {
     "production/builds/takes.py",
     "reports/coverage/changes.py",
     "text/lines/line_readers.py",
-    "text/lines/gettext.py",
     "text/lines/xlsx.py",
     "packs/library.py",
     "packs/yaml/building.py",

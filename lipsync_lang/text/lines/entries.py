@@ -11,8 +11,11 @@ from typing import NamedTuple
 from lipsync_lang.base.errors import count
 from lipsync_lang.schedules.timing_file import TimingFile, timing_bytes
 from lipsync_lang.text.lines.choices import every_form
-from lipsync_lang.text.lines.gettext import MAX_COMMENT_CHARS, speaker_pattern
+from lipsync_lang.text.lines.columns import SPEAKER_COLUMNS
 from lipsync_lang.text.lines.line_readers import Line, LineFile
+
+MAX_COMMENT_CHARS = 200
+"""Length within which a comment names its speaker."""
 
 MAX_ENTRY_DEPTH = 64
 """Maximum depth of lists, objects and elements in a file."""
@@ -35,17 +38,22 @@ def entry_lines(source: LineFile, entries: Iterable[ScriptEntry]) -> Iterator[Li
     """Yield the lines of the entries of a file."""
     given = list(entries)
     translated = any(one.ready and one.text.strip() for one in given)
-    speaks = speaker_pattern(source.speaker)
-    left = 0
+    asked = source.speaker
+    if asked and asked.isdecimal():  # the column of a table
+        asked = None
+    speaks, left, commented, named = _speaker_pattern(asked), 0, False, False
     for one in given:
         text = one.text if translated else one.original or one.text
         if not text.strip() or (translated and not one.ready):
             left += 1
             continue
         speaker = one.speaker or (_named(one.notes, speaks) if one.notes else "")
+        commented, named = commented or bool(one.notes), named or bool(speaker)
         for form, said in every_form(text, source.cleaning.values):
             name = f"{one.name}-{form}" if one.name and form else one.name
             yield source.line(one.number, said, name=name, speaker=speaker, original=one.original)
+    if asked and commented and not named:
+        source.remark(f"{source.path}: no comment has a speaker of the form '{asked}'")
     if left:
         what = count(left, "empty or untranslated entry", "empty or untranslated entries")
         source.remark(f"{source.path}: left out {what}")
@@ -56,6 +64,18 @@ def _named(notes: Iterable[str], speaks: re.Pattern[str]) -> str:
     rows = (row[:MAX_COMMENT_CHARS] for note in notes for row in note.split("\n"))
     found = next(filter(None, map(speaks.search, rows)), None)
     return found["speaker"].strip() if found else ""
+
+
+def _speaker_pattern(asked: str | None) -> re.Pattern[str]:
+    """Return the pattern of a speaker in comments, from the stated word or text around the name."""
+    if asked and "{speaker}" in asked:
+        around = [r"\s+".join(map(re.escape, part.split())) for part in asked.split("{speaker}", 1)]
+        return re.compile(rf"{around[0]}\s*(?P<speaker>\S.*?)\s*{around[1] or '$'}", re.IGNORECASE)
+    word = rf"(?:{'|'.join(map(re.escape, (asked,) if asked else SPEAKER_COLUMNS))})"
+    return re.compile(
+        rf"(?:^{word}|\"{word}\"|(?<!\S){word}(?==))\s*[:：=]\s*\"?(?P<speaker>[^\"=,;(（]+)",
+        re.IGNORECASE,
+    )
 
 
 def whole_file(source: LineFile) -> TimingFile:

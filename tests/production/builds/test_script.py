@@ -3,6 +3,7 @@
 import json
 
 import pytest
+from lanes import needs_plug_ins
 
 from lipsync_lang import LipsyncError
 from lipsync_lang.base.files.names import MAX_NAME_BYTES, fault_of_name
@@ -157,6 +158,7 @@ def test_one_language_needs_no_column_of_its_name(game):
     assert (line.text, line.speaker) == ("Well, *hello*", "")
 
 
+@needs_plug_ins
 def test_a_file_for_each_language_holds_the_lines_of_that_language(game):
     put(game, "loc/en.po", text='msgctxt "a"\nmsgid "Hello."\nmsgstr "Hello."\n')
     put(game, "loc/de.po", text='msgctxt "a"\nmsgid "Hello."\nmsgstr "Hallo."\n')
@@ -184,6 +186,7 @@ def test_a_file_of_several_languages_holds_the_lines_of_each(game):
     assert "has one language" in refusal(game, **stated, languages="[german, french]")
 
 
+@needs_plug_ins
 def test_comments_of_gettext_name_the_speaker_in_the_form_that_a_project_states(game):
     put(game, "de.po", text='#. [bob] sadly\nmsgctxt "a"\nmsgid "Hello."\nmsgstr "Hallo."\n')
     stated = {"lines": "de.po", "languages": "[german]"}
@@ -192,6 +195,7 @@ def test_comments_of_gettext_name_the_speaker_in_the_form_that_a_project_states(
     assert {one.speaker for one in planned(game, columns=None, **stated)} == {""}
 
 
+@needs_plug_ins
 def test_names_of_lines_without_an_id_do_not_depend_on_their_order(game):
     entries = ['msgid "Yes"\nmsgstr "Ja"\n', 'msgid "No"\nmsgstr "Nein"\n']
     entries += ['msgctxt "x/y"\nmsgid "A"\nmsgstr "B"\n']
