@@ -2,6 +2,7 @@
 
 import sys
 from argparse import Namespace
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -57,21 +58,22 @@ def validate(options: Namespace) -> int:
 
 def _pack_faults(options: Namespace, paths: list[Path]) -> "list[Fault]":
     """Return the faults of packs, of the tests in them, and of projects."""
-    from lipsync_lang.authoring.trial import doubts, languages_in, try_out, unheard
+    from lipsync_lang.authoring.trial import Trial, doubts, languages_in, try_out, unheard
     from lipsync_lang.packs.checking.validate import validate as find_faults
     from lipsync_lang.packs.library import Library
-    from lipsync_lang.packs.yaml.faults import shown
+    from lipsync_lang.packs.yaml.faults import PackFaults, shown
     from lipsync_lang.production.builds.project_build import planning_faults
 
     library = Library(options.path)
     faults = find_faults(library, paths or None)
-    if not options.no_tests:
-        silence, found = library.common().model.silence, set(faults)
+    found = set(faults)
+    with suppress(PackFaults):  # of the common phonemes: they are found already
+        silence = library.common().model.silence
         for pack in languages_in(library, paths):
             with working(f"trying {pack.model.name}"):
-                found.update(try_out(library, pack).faults(silence), doubts(library, pack))
-                found.update(unheard(library, pack))
-        faults = sorted(found)
+                tried = Trial(pack) if options.no_tests else try_out(library, pack)
+                found.update(tried.faults(silence), doubts(library, pack), unheard(library, pack))
+    faults = sorted(found)
     for project in _projects(paths):
         # A faulty project cannot be planned, and would report the same faults again.
         if not any(fault.file == shown(project) and fault.severity == "fault" for fault in faults):

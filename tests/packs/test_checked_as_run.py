@@ -50,6 +50,15 @@ def test_a_mistake_that_a_run_would_refuse_or_ignore_is_a_fault(validate, text):
     assert ended.code == 1
     assert f"languages/x.yaml:{place} " in ended.out
     assert hint in ended.out
+    assert validate(text, "--no-tests").out == ended.out, "an engine is no test"
+
+
+def test_a_fault_of_the_common_phonemes_hides_no_other(validate, folder):
+    (folder / "languages/common.yaml").write_text("kind: phonemes\nformat: 1\nfoo: 1\n")
+    ended = validate("motion: papr", "languages")
+    assert ended.code == 1
+    assert "common.yaml:3:1: P101" in ended.out
+    assert "languages/x.yaml:6:9: P107" in ended.out
 
 
 @pytest.mark.parametrize("text", AUDIO)

@@ -139,8 +139,11 @@ def test_a_language_answers_to_its_tag(library, tmp_path):
 def test_two_languages_of_one_tag_are_a_warning(tmp_path):
     plant(tmp_path)
     put(tmp_path, "languages/zwei.yaml", PARENT.replace("name: parent", "name: zwei"))
-    faults = [f for f in validate(Library([tmp_path], project=None)) if f.code == "W305"]
-    assert [(Path(f.file).name, f.line, f.column) for f in faults] == [("zwei.yaml", 4, 6)]
+    library = Library([tmp_path], project=None)
+    for paths in (None, [tmp_path], [tmp_path / "languages/zwei.yaml"]):
+        faults = [f for f in validate(library, paths) if f.code == "W305"]
+        assert [(Path(f.file).name, f.line, f.column) for f in faults] == [("zwei.yaml", 4, 6)]
+    assert "W305" not in {f.code for f in validate(library, [tmp_path / "languages/child.yaml"])}
 
 
 @full
@@ -157,8 +160,11 @@ def test_a_pack_in_place_of_a_built_in_one_is_a_warning_unless_it_extends_it(kin
     }[kind]
     for extends, places in (("", [(file, 3)]), (f"extends: {name}\n", [])):
         put(tmp_path, file, text.replace("title:", f"{extends}title:", 1))
-        found = [f for f in validate(Library([tmp_path], project=None)) if f.code == "W323"]
-        assert [(Path(f.file).relative_to(tmp_path).as_posix(), f.line) for f in found] == places
+        for paths in (None, [tmp_path / file]):
+            found = validate(Library([tmp_path], project=None), paths)
+            found = [f for f in found if f.code == "W323"]
+            told = [(Path(f.file).relative_to(tmp_path).as_posix(), f.line) for f in found]
+            assert told == places
 
 
 def test_common_is_no_language(library):

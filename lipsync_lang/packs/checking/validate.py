@@ -86,6 +86,8 @@ class _Validation:
                 self.check_folder(folder)
         else:
             self.check_file(*_placed(path))
+        self._tags(path)
+        self._replacing(path)
 
     def check_folder(self, folder: Path) -> None:
         """Check all packs below a folder; warn of files that are never read."""
@@ -236,14 +238,14 @@ class _Validation:
             return checks.with_shades({*model.base, model.silence, *added}, model)
         return KnownPhonemes(self.library, {*model.phonemes, model.silence, *model.shades})
 
-    def _tags(self) -> None:
-        """Warn of tags and aliases that two languages state."""
+    def _tags(self, within: Path | None = None) -> None:
+        """Warn of tags and aliases that two languages state, one of them there."""
         found = [f for f in self.library.names("language") if f.shadowed_by is None]
         first = {folded_language(one.name): one.name for one in found}
         for one in found:
             for answer in finding.answers_of(one.path):
                 other = first.setdefault(answer, one.name)
-                if other == one.name:
+                if other == one.name or (within and not one.path.is_relative_to(within)):
                     continue
                 model, source, _ = self.library.inspect(one.path, "language", one.name)
                 if isinstance(model, Language):
@@ -255,13 +257,14 @@ class _Validation:
                     pack = Pack(model, (source,))
                     self.faults.add(pack.warning(loc, "W305", f"{what} '{other}'", hint))
 
-    def _replacing(self) -> None:
-        """Warn of packs that are found in place of built-in ones, unless they extend these."""
+    def _replacing(self, within: Path | None = None) -> None:
+        """Warn of packs there in place of built-in ones, unless they extend these."""
         for kind in finding.FOLDERS:
             for found in self.library.names(kind):
-                model = None
-                if found.shadowed_by is not None and found.root.origin == "built-in":
-                    model, source, _ = self.library.inspect(found.shadowed_by, kind, found.name)
+                model, by = None, found.shadowed_by
+                there = by is not None and (within is None or by.is_relative_to(within))
+                if by is not None and there and found.root.origin == "built-in":
+                    model, source, _ = self.library.inspect(by, kind, found.name)
                 if model is not None and getattr(model, "extends", None) != found.name:
                     what = f"this pack replaces the built-in '{found.name}'"
                     hint = "choose another name, unless you mean to"
