@@ -65,10 +65,12 @@ def test_help_is_light(arguments):
     assert not {one for one in loaded if one.startswith(("lipsync_lang.text.lines", "html"))}
 
 
-def test_a_performer_is_made_without_the_readers_of_scripts():
+def test_a_performer_is_made_without_the_readers_of_scripts_and_texts():
     loaded = modules_after("import lipsync_lang as ll; ll.resolve('english', 'facefx')")
     assert "lipsync_lang.text.lines.markup" in loaded
     assert "lipsync_lang.text.lines.line_readers" not in loaded
+    assert "lipsync_lang.text.phonology.g2p.tokens" in loaded
+    assert "lipsync_lang.text.phonology.g2p.corrections" not in loaded
 
 
 @full

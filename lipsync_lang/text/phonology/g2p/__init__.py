@@ -4,8 +4,7 @@ What an engine gives are words with labels of one notation. Which engine reads a
 what its labels stand for, is the language pack's word.
 """
 
-from lipsync_lang.text.phonology.g2p.corrections import engine as engine
-from lipsync_lang.text.phonology.g2p.g2p_engines import G2P_ENGINES as G2P_ENGINES
-from lipsync_lang.text.phonology.g2p.g2p_engines import RESPELLERS as RESPELLERS
-from lipsync_lang.text.phonology.g2p.g2p_engines import Settings as Settings
-from lipsync_lang.text.phonology.g2p.g2p_engines import SpokenWord as SpokenWord
+import lazy_loader
+
+# The stub lists the names. A performer needs tokens alone, and no engines.
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
