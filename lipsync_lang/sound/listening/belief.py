@@ -55,11 +55,6 @@ class PhoneLoop:
         """(1, G) probability of leaving a middle state for a last one before each group."""
         return (1 - self.stay) * self._member.mean(axis=0, keepdims=True)
 
-    @cached_property
-    def _leave(self) -> Floats:
-        """(G,) probability of leaving each first state."""
-        return np.full(self._member.shape[1], 1 - self.stay)
-
     def likelihoods(self, scores: Singles) -> Floats:
         """Return scaled likelihoods of scores (T, N, S), relative to each frame's best."""
         scaled = self.scale * scores.astype(np.float64)
@@ -85,7 +80,7 @@ class PhoneLoop:
         # (group of the phone that begins, group of the one that ends)
         passed = before[:, count + 1 :].T @ self._member
         now[:, :count] += self._entry @ passed
-        now[:, count] += before[:, :count] @ self._leave
+        now[:, count] += (1 - self.stay) * before[:, :count].sum(axis=1)
         now[:, count + 1 :] += before[:, count, None] * self._next
         now *= likely
         now /= now.sum()
@@ -102,7 +97,7 @@ class PhoneLoop:
         count = self._member.shape[1]
         seen = after * likely
         out = self.stay * seen
-        out[:, :count] += seen[:, count, None] * self._leave
+        out[:, :count] += (1 - self.stay) * seen[:, count, None]
         out[:, count] += seen[:, count + 1 :] @ self._next[0]
         # (group of the phone that ended, group of the one that begins)
         begun = seen[:, :count].T @ self._entry

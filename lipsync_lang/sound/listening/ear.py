@@ -20,6 +20,7 @@ from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import FAINTEST_LOG
 from lipsync_lang.sound.speech.hearing.sphinx.features import (
     CEPSTRA,
     DELTA_FRAMES,
+    EVEN_STEPS,
     FRAME_SECONDS,
     HISS_DEVIATION,
     HOP_SAMPLES,
@@ -221,7 +222,7 @@ class PhoneScores:
                 "listening without a text needs an acoustic model of three streams whose phones "
                 "each have one codebook; other models align texts"
             )
-        gaussians = model.gaussians[books[:, 0]]
+        gaussians = model.gaussians[books[:, 0]].astype(np.float64)
         # (streams, N, 27, Gaussians), so that each product is too small for threads, which cost
         # more than it does
         self._factors = np.ascontiguousarray(gaussians.swapaxes(0, 1))
@@ -229,8 +230,9 @@ class PhoneScores:
 
     def of(self, features: Floats) -> Singles:
         """Return the log likelihood of each frame, (T, 3, 13), in each state: (T, N, S)."""
+        features = np.rint(features * EVEN_STEPS) / EVEN_STEPS
         terms = np.concatenate([features**2, features, np.ones_like(features[..., :1])], axis=-1)
-        rows = terms.astype(np.float32).swapaxes(0, 1)[:, None]
+        rows = terms.swapaxes(0, 1)[:, None]
         found = np.empty((len(features), *self._weights.shape[1::2]), np.float32)
         for start in range(0, len(features), CACHED_FRAMES):
             block = slice(start, start + CACHED_FRAMES)
@@ -239,11 +241,12 @@ class PhoneScores:
             near -= most
             np.maximum(near, FAINTEST_LOG, out=near)
             shares = np.exp(near, out=near) @ self._weights
-            found[block] = (np.log(shares, out=shares) + most).sum(axis=0).swapaxes(0, 1)
+            exact = (np.log(shares, out=shares) + most).sum(axis=0).swapaxes(0, 1)
+            found[block] = np.rint(exact * EVEN_STEPS) / EVEN_STEPS
         return found
 
 
-def _group_weights(model: AcousticModel, groups: Ints) -> Singles:
+def _group_weights(model: AcousticModel, groups: Ints) -> Floats:
     """Return the mixture weights of each state: (streams, N, Gaussians, S).
 
     They are the means over all contexts whose neighbour is of the group, of the phone without a
@@ -253,7 +256,7 @@ def _group_weights(model: AcousticModel, groups: Ints) -> Singles:
     # as `context_key` has them
     here, left, right = (model.keys >> shift & 255 for shift in (24, 16, 8))
     states = model.states[model.rows]
-    found = np.empty((STREAMS, len(groups), model.weights.shape[1], 2 * count + 1), np.float32)
+    found = np.empty((STREAMS, len(groups), model.weights.shape[1], 2 * count + 1))
     for phone, alone in enumerate(model.alone):
         own = here == phone
         columns = [(own & (groups[left] == group), 0) for group in range(count)]

@@ -97,7 +97,7 @@ class SoundRecogniser:
         belief = recorded_belief(audio, known, models)[: max(inside, 1)]
         # phones with one label are one sound
         path = np.array([labels.index(label) for label in labels])[
-            likeliest_path(belief @ risks(known, models.model.names))
+            likeliest_path(belief.astype(np.float64) @ risks(known, models.model.names))
         ]
         edges = [0, *(np.flatnonzero(np.diff(path)) + 1).tolist(), len(path)]
         heard = [HeardPhoneme(OUTSIDE, int(path[a]), a, z, 0.0) for a, z in pairwise(edges)]
@@ -193,7 +193,7 @@ def likeliest(
     edges = np.rint(middles).astype(int).clip(0, len(belief) - 1)
     found = []
     for first, stop in pairwise(edges.tolist()):
-        mean = belief[first : max(stop, first + 1)].mean(axis=0) @ member
+        mean = belief[first : max(stop, first + 1)].mean(axis=0, dtype=float) @ member
         best = (-mean).argsort(kind="stable")[:LIKELIEST].tolist()
         found.append(tuple((names[n], round(float(mean[n]), 3)) for n in best))
     return tuple(found)

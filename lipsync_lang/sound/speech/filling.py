@@ -121,16 +121,15 @@ def _heard(
         low = max(words[0].start - PHRASE_MARGIN_SECONDS, 0.0) * sound.rate
         high = (words[-1].end + PHRASE_MARGIN_SECONDS) * sound.rate
         cuts.append((replace(sound, samples=sound.samples[round(low) : round(high)]), text))
-    manner = speaker.manner
     for number, one in enumerate(align_many(speaker, cuts)):
         if isinstance(one, SpeechError) or (
             one.confidence is not None and one.confidence < DOUBTFUL
         ):
             continue
-        if one.notation != manner.notation:
+        if one.notation != speaker.manner.notation:
             # An aligner may have labels of its own; the words of a phrase have one notation.
             (read,) = speaker.transcribe([texts[number]])
-            one = join(read, one, manner, speaker.notations)  # noqa: PLW2901
+            one = join(read, one, speaker.manner, speaker.notations)  # noqa: PLW2901
         yield number, one
 
 

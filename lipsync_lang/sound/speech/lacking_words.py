@@ -40,13 +40,12 @@ def with_lacking(
             if not isinstance(one, SpeechError):
                 spelled = _spelled(one, notation, speaker.notations)
                 read |= {text: spelled} if spelled is not None else {}
+    fates = {True: "the language reads them instead", False: "the mouth rests there"}
+    lacks = {fate: [text for text in texts if (text in read) is fate] for fate in fates}
     told = [
-        f"{dictionary} lacks {shortlist(some, MAX_SHOWN_WORDS)}: {what}; "
+        f"{dictionary} lacks {shortlist(some, MAX_SHOWN_WORDS)}: {fates[fate]}; "
         "add the missing words to it"
-        for some, what in (
-            ([text for text in texts if text in read], "the language reads them instead"),
-            ([text for text in texts if text not in read], "the mouth rests there"),
-        )
+        for fate, some in lacks.items()
         if some
     ]
     inside = {n: read[name] for n, name in zip(numbers, names, strict=True) if name in read}

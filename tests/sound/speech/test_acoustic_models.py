@@ -18,6 +18,7 @@ from lipsync_lang.sound.speech.hearing.sphinx import acoustic_model, decoders
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import Listening
 from lipsync_lang.sound.speech.hearing.sphinx.decoders import decoded_words
 from lipsync_lang.sound.speech.hearing.sphinx.features import (
+    EVEN_STEPS,
     CepstralFrames,
     PreparedSound,
     features,
@@ -179,6 +180,23 @@ def test_likelihoods_are_kept_up_to_a_limit_and_made_anew_beyond_it(shipped, mon
     kept, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert 5 * 4 * cells < kept < 6 * 4 * cells
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_scores_do_not_depend_on_the_order_of_sums(shipped, spoken, monkeypatch, seed):
+    random, product = np.random.default_rng(seed), acoustic_model._product  # noqa: SLF001
+    heard = np.rint(features(PreparedSound.of(spoken).samples())[:50] * EVEN_STEPS)
+    known = Listening(shipped.model, heard / EVEN_STEPS).scores(shipped.model.alone)
+    assert (known * EVEN_STEPS % 1 == 0).all()
+
+    def in_another_order(many, few):
+        found = product(many, few)
+        return found * (1 + random.uniform(-1e-14, 1e-14, found.shape))
+
+    monkeypatch.setattr(acoustic_model, "_product", in_another_order)
+    other = heard + random.uniform(-0.4, 0.4, heard.shape)
+    found = Listening(shipped.model, other / EVEN_STEPS).scores(shipped.model.alone)
+    assert np.array_equal(found, known)
 
 
 def test_states_that_share_one_codebook_are_read(shipped, tmp_path):

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lipsync_lang.base.arrays import Floats, Ints, Singles
-from lipsync_lang.sound.speech.hearing.sphinx.features import FrontEnd
+from lipsync_lang.sound.speech.hearing.sphinx.features import EVEN_STEPS, FrontEnd
 
 
 class WordPosition(IntEnum):
@@ -121,7 +121,7 @@ class Listening:
 
     model: AcousticModel
     features: Floats
-    _near: dict[tuple[int, int], tuple[Singles, Singles]] = field(
+    _near: dict[tuple[int, int], tuple[Singles, Floats]] = field(
         init=False, repr=False, default_factory=dict
     )
 
@@ -142,44 +142,46 @@ class Listening:
         found = np.empty((len(self.features), len(wanted)), np.float32)
         for book in np.unique(books).tolist():
             own = np.flatnonzero(books == book)
-            heard = np.zeros((len(self.features), len(own)), np.float32)
+            heard = np.zeros((len(self.features), len(own)))
             for stream, weights in enumerate(self.model.weights):
                 # log sum exp, with the nearest Gaussian taken out so that no exponent underflows
                 shares, most = self._shares(book, stream)
                 heard += np.log(_product(shares, weights[:, wanted[own]])) + most
-            found[:, own] = heard
+            found[:, own] = np.rint(heard * EVEN_STEPS) / EVEN_STEPS
         return found[:, back.reshape(states.shape)]
 
-    def _shares(self, book: int, stream: int) -> tuple[Singles, Singles]:
+    def _shares(self, book: int, stream: int) -> tuple[Singles, Floats]:
         """Return Gaussian likelihoods relative to the nearest, and the log likelihood of that."""
         key = (book, stream)
         if key in self._near:
             return self._near[key]
         gaussians = self.model.gaussians[key]
         here = self.features.reshape(len(self.features), len(self.model.weights), -1)[:, stream]
-        terms = np.hstack([here * here, here, np.ones((len(here), 1))]).astype(np.float32)
+        here = np.rint(here * EVEN_STEPS) / EVEN_STEPS
+        terms = np.hstack([here * here, here, np.ones((len(here), 1))])
         near = _product(terms, gaussians)
         most = near.max(axis=1, keepdims=True)
         near -= most
         np.maximum(near, FAINTEST_LOG, out=near)
-        found = np.exp(near, out=near), most
+        found = np.exp(near, out=near).astype(np.float32), most
         if (len(self._near) + 1) * near.size <= MAX_KEPT_CELLS:
             self._near[key] = found
         return found
 
 
-def _product(many: Singles, few: Singles) -> Singles:
-    """Multiply a long matrix by a small one, in blocks of rows.
+def _product(many: Floats | Singles, few: Singles) -> Floats:
+    """Multiply a long matrix by a small one in float64, in blocks of rows.
 
     A single product would start threads whose synchronisation costs more than the work.
     """
     # BLAS multiplies a stack of small matrices in this thread; only the rest is left over.
     rows = max(MAX_BLOCK_CELLS // few.size, 1)
     whole = len(many) // rows * rows
-    found = np.empty((len(many), few.shape[1]), np.float32)
+    many, few64 = np.asarray(many, np.float64), few.astype(np.float64)
+    found = np.empty((len(many), few.shape[1]))
     pieces = many[:whole].reshape(-1, rows, many.shape[1])
-    np.matmul(pieces, few, out=found[:whole].reshape(-1, rows, few.shape[1]))
-    np.matmul(many[whole:], few, out=found[whole:])
+    np.matmul(pieces, few64, out=found[:whole].reshape(-1, rows, few.shape[1]))
+    np.matmul(many[whole:], few64, out=found[whole:])
     return found
 
 

@@ -34,6 +34,12 @@ SECTION_FRAMES = 20_000
 WINDOW_SAMPLES = 410
 """Frame window in samples."""
 
+EVEN_STEPS = 1024
+"""Steps of 1 to which features, log likelihoods and boundaries in frames are rounded.
+
+Processors add in different orders. Their results differ far less, and are equal once rounded.
+"""
+
 FFT_POINTS = 512
 """Size of the Fourier transform."""
 
@@ -134,12 +140,10 @@ class HeardFrames:
     Parameters
     ----------
     wide : of each frame, in streams; cepstra alone with those `beside` a frame on each side
-    less : taken from the first stream
     """
 
     wide: Floats
     beside: int = 0
-    less: Floats | float = 0.0
 
     def __len__(self) -> int:
         return len(self.wide) - 2 * self.beside
@@ -147,14 +151,11 @@ class HeardFrames:
     def __getitem__(self, span: slice) -> Floats:
         first, stop, _ = span.indices(len(self))
         found = self.wide[first : max(first, stop) + 2 * self.beside]
-        found = derived(found[:, 0]) if self.beside else found.copy()
-        found[:, 0] -= self.less
-        return found
+        return derived(found[:, 0]) if self.beside else found
 
     def first_stream(self) -> Floats:
         """Return the first stream, (T, values): in that of a frame, the loudness comes first."""
-        found: Floats = self.wide[self.beside : self.beside + len(self), 0] - self.less
-        return found
+        return self.wide[self.beside : self.beside + len(self), 0]
 
 
 class FrontEnd(ABC):

@@ -32,7 +32,7 @@ from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import (
     PhoneContext,
     WordPosition,
 )
-from lipsync_lang.sound.speech.hearing.sphinx.features import HeardFrames
+from lipsync_lang.sound.speech.hearing.sphinx.features import EVEN_STEPS, HeardFrames
 
 SOUND_START = -1
 """Predecessor of a phoneme at the start of the sound."""
@@ -231,7 +231,7 @@ def median_starts(scores: Singles, stay: Floats, runs: Sequence[Run]) -> Floats:
     begun = np.cumsum(share[:, ::-1], axis=1)[:, ::-1]
     middles = np.arange(count) + 0.5
     later = [np.interp(0.5, begun[:, n], middles) for n in range(1, phones)]
-    return np.array([0.0, *later])
+    return np.rint(np.array([0.0, *later]) * EVEN_STEPS) / EVEN_STEPS
 
 
 class HeardPhoneme(NamedTuple):
@@ -353,7 +353,9 @@ def centred(features: HeardFrames, heard: Sequence[HeardPhoneme]) -> HeardFrames
         own[one.first : one.stop] &= one.phone != OUTSIDE
     if foreign < MIN_OTHER_SHARE * len(features) or not own.any():
         return features
-    return replace(features, less=features.first_stream()[own].mean(axis=0))
+    moved = features.wide.copy()
+    moved[:, 0] -= features.first_stream()[own].mean(axis=0)
+    return replace(features, wide=moved)
 
 
 def _lay(
@@ -428,8 +430,9 @@ def _window(
         ends = [*(n for n in before if n != SOUND_START), *graph.pause(before)]
     elif anchored and near < stop:
         ends = range([node.word for node in graph.nodes].index(near), len(graph.nodes))
-    loop = _Loop.of(sound)
-    scores = sound.scores(model.phones(graph.contexts))
+    scores = sound.scores([*model.alone, *model.phones(graph.contexts)])
+    alone, scores = np.split(scores, [len(model.alone)], axis=1)
+    loop = _Loop.of(model, alone)
     decoded = partial(_likeliest, model, scores, loop, graph.nodes, graph.before, ends)
     if not (way := _truest_way(graph, words, range(done, stop), decoded)):
         return None
@@ -448,10 +451,9 @@ class _Loop(NamedTuple):
     """Silence and noises instead of phonemes of speech."""
 
     @classmethod
-    def of(cls, sound: Listening) -> "_Loop":
-        """Return those of a sound."""
-        model = sound.model
-        best = sound.scores(model.alone).max(axis=2)
+    def of(cls, model: AcousticModel, alone: Singles) -> "_Loop":
+        """Return those of a sound, by the scores of all such phonemes."""
+        best = alone.max(axis=2)
         quiet = np.array([phone.number in model.fillers for phone in model.alone])
         return cls(best[:, ~quiet].max(axis=1), best[:, quiet].max(axis=1))
 
@@ -589,7 +591,7 @@ def _again(sound: Listening, loop: _Loop, way: Sequence[tuple[Node, Run]]) -> li
     for node, run, start in zip(nodes, runs, starts, strict=True):
         span = slice(run.first, run.stop)
         fit, noise = (
-            float((here - loop.speech[span]).mean())
+            float((here - loop.speech[span]).mean(dtype=np.float64))
             for here in (scores[span, run.phone].max(axis=1), loop.quiet[span])
         )
         late = float(start) - run.first

@@ -228,4 +228,5 @@ def _frames(one: HeardPhoneme) -> int:
 def logistic(logit: float) -> float:
     """Return the probability of log odds."""
     # Beyond these limits, `exp` would overflow with a warning, and the result is 0 or 1 anyway.
-    return float(1 / (1 + np.exp(-np.clip(logit, -50, 50))))
+    # Rounded, because processors differ in later digits.
+    return round(float(1 / (1 + np.exp(-np.clip(logit, -50, 50)))), 9)
