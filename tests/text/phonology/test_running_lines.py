@@ -67,6 +67,14 @@ def test_a_censored_curse_has_its_own_letters(written, said):
     assert [*uncensored(f"That {written}!", forms)] == [(5, 5 + len(written), said)]
 
 
+def test_no_curse_is_looked_for_in_endless_letters():
+    # its time would grow with the square of their number
+    forms = Speaker.of("english").manner.forms
+    ((_, _, near),) = uncensored(f"{'b' * 30}sh*t", forms)
+    ((_, _, far),) = uncensored(f"{'b' * 31}sh*t", forms)
+    assert (near[-4:], far[-4:]) == ("shit", "shut")
+
+
 @pytest.mark.parametrize("name", swept(CURSING, quick=CURSING[::6]))
 def test_every_curse_of_a_pack_is_read_behind_a_sign(name):
     forms = Speaker.of(name).manner.forms

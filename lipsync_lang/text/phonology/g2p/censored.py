@@ -51,7 +51,7 @@ def _cursed(masked: str, curses: Iterable[str]) -> str:
     for curse in curses:
         first, *others = map(re.escape, curse)
         signs = "".join(rf"[{letter}\W]" for letter in others)
-        fit = re.fullmatch(rf"(\w*?)({first}{signs})(\w*)", masked, re.IGNORECASE)
+        fit = re.fullmatch(rf"(\w{{,30}}?)({first}{signs})(\w{{,30}})", masked, re.IGNORECASE)
         # one letter in sight is too little within a word: `murd***r`
         if fit and (not fit[1] or len(re.findall(r"\w", fit[2])) > 1):
             said = f"{masked[: fit.end(1)]}{curse}{masked[fit.end(2) :]}"
