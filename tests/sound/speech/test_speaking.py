@@ -345,9 +345,9 @@ def test_pauses_at_dashes_brackets_and_quotes_are_those_of_the_voice(language):
     assert sum("_" in schedule.labels[1:-1] for schedule in spoken) > len(texts) / 2
 
 
-def test_long_texts_are_aligned_in_little_more_memory_than_the_table_of_moves():
+def test_long_texts_are_aligned_in_little_more_memory_than_a_byte_for_each_move():
     said = [f"{number * number % 7}" for number in range(4000)]
-    table = len(said) * (2 * BAND_SOUNDS + 3)
+    table = len(said) * (2 * BAND_SOUNDS + 1)
     peaks = []
     for _ in range(3):  # threads of earlier tests may take memory beside it
         tracemalloc.start()
@@ -355,4 +355,4 @@ def test_long_texts_are_aligned_in_little_more_memory_than_the_table_of_moves():
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert found.tolist() == [*range(len(said))]
-    assert min(peaks) < 1.8 * table
+    assert min(peaks) < 1.2 * table, "names and costs take as much as the packed moves"
