@@ -47,6 +47,9 @@ CHECKED = ("distributed", "numpy")
 
 PACKAGE = "lipsync-lang"
 
+PROCESSORS = {"amd64": "x86_64", "arm64": "aarch64"}
+"""Other names of families of processors, as systems call them."""
+
 MARK = "seen"
 """Name of the file that tests the access of workers to the project's folder."""
 
@@ -114,7 +117,10 @@ def _greet(address: str) -> None:
 
 
 def check_versions(client: "Client", address: str) -> None:
-    """Raise an error if there are no workers, or if one has other versions than this machine."""
+    """Raise an error if there are no workers, or if one has other versions than this machine.
+
+    Warn of workers with processors of another family, of which lines may differ by a rounding.
+    """
     try:
         client.wait_for_workers(1, timeout=LIMIT_SECONDS)
     except TimeoutError:
@@ -137,6 +143,19 @@ def check_versions(client: "Client", address: str) -> None:
                     f'pip install "lipsync-lang[cluster]=={own[PACKAGE]}" '
                     f"distributed=={own['distributed']} numpy=={own['numpy']}"
                 )
+    here = _processor(found["client"])
+    for kind in {_processor(answer) for answer in found["workers"].values()} - {here}:
+        warnings.warn(
+            f"{address}: has workers with processors of another family ({kind}, this machine "
+            f"{here}), so their lines may differ in the last digits; use workers of one family "
+            "if every byte counts",
+            stacklevel=2,
+        )
+
+
+def _processor(answer: dict[str, Any]) -> str:
+    name = str(answer["host"]["machine"]).lower()
+    return PROCESSORS.get(name, name)
 
 
 def _versions(answer: dict[str, Any]) -> dict[str, str | None]:

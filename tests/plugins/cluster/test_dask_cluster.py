@@ -36,8 +36,9 @@ notations:
 class Told:
     """Client of a cluster with stated versions."""
 
-    def __init__(self, worker=(), scheduler=(), count=1):
+    def __init__(self, worker=(), scheduler=(), count=1, machine="x86_64"):
         self.worker, self.scheduler, self.count = dict(worker), dict(scheduler), count
+        self.host = {"machine": machine}
 
     def wait_for_workers(self, count, timeout):
         if self.count < count:
@@ -47,9 +48,9 @@ class Told:
         own = {"python": "3.11.7.final.0", "distributed": "2025.1.0", "numpy": "2.1.0"}
         own |= dict.fromkeys(packages, "0.1.0")
         return {
-            "client": {"packages": own},
+            "client": {"packages": own, "host": {"machine": "x86_64"}},
             "scheduler": {"packages": own | self.scheduler},
-            "workers": {"tcp://far:1": {"packages": own | self.worker}},
+            "workers": {"tcp://far:1": {"packages": own | self.worker, "host": self.host}},
         }
 
 
@@ -69,10 +70,20 @@ def test_a_cluster_of_other_versions_or_without_workers_is_named(client, words):
 
 
 @pytest.mark.parametrize(
-    "client", [Told(), Told({"python": "3.11.2.final.0"}), Told(scheduler={"numpy": None})]
+    "client",
+    [
+        *(Told(), Told({"python": "3.11.2.final.0"})),
+        *(Told(scheduler={"numpy": None}), Told(machine="AMD64")),
+    ],
 )
 def test_small_differences_of_a_cluster_are_none(client):
     dask_cluster.check_versions(client, "tcp://s:1")
+
+
+def test_a_worker_with_a_processor_of_another_family_is_named():
+    words = r"s:1: has workers with processors of another family \(aarch64, this machine x86_64\)"
+    with pytest.warns(UserWarning, match=words):
+        dask_cluster.check_versions(Told(machine="arm64"), "tcp://s:1")
 
 
 @pytest.fixture
