@@ -30,6 +30,7 @@ HAVE_TARGETS = {
     "plugins/capture/capture_reading.py",
     "plugins/capture/fit_file.py",
     "plugins/players/takes.py",
+    "plugins/scripts/gettext.py",
     "plugins/smartbody/bank_files.py",
     "plugins/study/study_file.py",
 }
