@@ -21,7 +21,7 @@ _BOTH, _SAID, _HEARD = range(3)
 MOVES_IN_BYTE = 4
 """Moves that share a byte, two bits each: a long text has a hundred million of them."""
 
-SHIFTS = np.arange(0, 2 * MOVES_IN_BYTE, 2, np.uint8)
+SHIFTS = np.arange(0, 2 * MOVES_IN_BYTE, 2, dtype=np.uint8)
 ROWS_AT_ONCE = 256
 """Rows of moves that are packed together, which is quicker."""
 
