@@ -22,7 +22,7 @@ MOVES_IN_BYTE = 4
 """Moves that share a byte, two bits each: a long text has a hundred million of them."""
 
 SHIFTS = np.arange(0, 2 * MOVES_IN_BYTE, 2, dtype=np.uint8)
-ROWS_AT_ONCE = 256
+PACKED_ROWS = 256
 """Rows of moves that are packed together, which is quicker."""
 
 
@@ -89,7 +89,7 @@ def _moves(
     middles = np.arange(n + 1) * m // max(n, 1)
     lows, highs = np.maximum(middles - width, 0), np.minimum(middles + width, m)
     moves = np.empty((n, int((highs - lows).max()) // MOVES_IN_BYTE + 1), np.uint8)
-    block = np.zeros((min(n, ROWS_AT_ONCE), moves.shape[1] * MOVES_IN_BYTE), np.uint8)
+    block = np.zeros((min(n, PACKED_ROWS), moves.shape[1] * MOVES_IN_BYTE), np.uint8)
     gaps = np.concatenate([[0.0], np.cumsum(alone[columns])])
     pairs = np.concatenate([np.full((len(cost), 1), np.inf), cost[:, columns]], axis=1)
     line = np.full(m + 2, np.inf)  # one place before column 0; infinite outside of the band
