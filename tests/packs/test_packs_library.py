@@ -165,6 +165,13 @@ def test_a_pack_in_place_of_a_built_in_one_is_a_warning_unless_it_extends_it(kin
             found = [f for f in found if f.code == "W323"]
             told = [(Path(f.file).relative_to(tmp_path).as_posix(), f.line) for f in found]
             assert told == places
+    put(
+        tmp_path,
+        file,
+        next(f for f in shipped.names(kind) if f.name == name).path.read_text("utf-8"),
+    )
+    faults = validate(Library([tmp_path], project=None))
+    assert "W323" not in {f.code for f in faults}, "an equal copy changes nothing"
 
 
 def test_common_is_no_language(library):

@@ -1,6 +1,7 @@
 """Validate packs: all of a library, or given files and folders."""
 
 from collections.abc import Callable, Collection, Sequence
+from filecmp import cmp
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -258,14 +259,15 @@ class _Validation:
                     self.faults.add(pack.warning(loc, "W305", f"{what} '{other}'", hint))
 
     def _replacing(self, within: Path | None = None) -> None:
-        """Warn of packs there in place of built-in ones, unless they extend these."""
+        """Warn of packs there in place of built-in ones, unless they extend or equal these."""
         for kind in finding.FOLDERS:
             for found in self.library.names(kind):
-                model, by = None, found.shadowed_by
-                there = by is not None and (within is None or by.is_relative_to(within))
-                if by is not None and there and found.root.origin == "built-in":
-                    model, source, _ = self.library.inspect(by, kind, found.name)
-                if model is not None and getattr(model, "extends", None) != found.name:
+                by, shipped = found.shadowed_by, found.root.origin == "built-in"
+                if by is None or not shipped or cmp(by, found.path, shallow=False):
+                    continue
+                model, source, _ = self.library.inspect(by, kind, found.name)
+                there = within is None or by.is_relative_to(within)
+                if there and model is not None and getattr(model, "extends", None) != found.name:
                     what = f"this pack replaces the built-in '{found.name}'"
                     hint = "choose another name, unless you mean to"
                     self.faults.add(Pack(model, (source,)).warning(("name",), "W323", what, hint))

@@ -8,7 +8,7 @@ const HEIGHT = 36;
 export class Overview {
   /**
    * @param {HTMLCanvasElement} canvas @param {import("./timeline.js").Timeline} timeline
-   * @param {boolean} [stays] also while the timeline shows all: a strip that came and went would move a timeline under the hand
+   * @param {boolean} [stays] also while the timeline shows all: a strip that came and went would move it under the hand
    */
   constructor(canvas, timeline, stays = false) {
     this.canvas = canvas;

@@ -39,7 +39,7 @@ export class SentenceView {
     place.classList.add("sentence");
     const at = {
       canvas: made("canvas", { id: "timeline", role: "img", tabindex: "0" }),
-      overview: made("canvas", { id: "overview", "aria-hidden": "true", hidden: "" }),
+      overview: made("canvas", { id: "overview", "aria-hidden": "true" }),
       lanes: made("div", { class: "lanes" }),
       gestures: made("div", { class: "gestures", hidden: "" }),
       legend: made("ul", { id: "legend", "aria-label": "Stages: press one to hide it" }),
