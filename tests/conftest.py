@@ -50,6 +50,12 @@ def pytest_configure(config):
     os.environ.setdefault("LIPSYNC_LANG_FUZZ_SEED", str(seed))
 
 
+def pytest_xdist_auto_num_workers():
+    """Give two processors three workers: tests wait for browsers and programs in their time."""
+    processors = os.cpu_count() or 1
+    return processors + processors // 2
+
+
 def pytest_collection(session):
     """Let each worker of a fresh clone compile its share of the test modules, and no other."""
     worker = getattr(session.config, "workerinput", {})
