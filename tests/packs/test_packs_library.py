@@ -139,11 +139,31 @@ def test_a_language_answers_to_its_tag(library, tmp_path):
 def test_two_languages_of_one_tag_are_a_warning(tmp_path):
     plant(tmp_path)
     put(tmp_path, "languages/zwei.yaml", PARENT.replace("name: parent", "name: zwei"))
-    library = Library([tmp_path], project=None)
-    for paths in (None, [tmp_path], [tmp_path / "languages/zwei.yaml"]):
-        faults = [f for f in validate(library, paths) if f.code == "W305"]
-        assert [(Path(f.file).name, f.line, f.column) for f in faults] == [("zwei.yaml", 4, 6)]
-    assert "W305" not in {f.code for f in validate(library, [tmp_path / "languages/child.yaml"])}
+    faults = [f for f in validate(Library([tmp_path], project=None)) if f.code == "W305"]
+    assert [(Path(f.file).name, f.line, f.column) for f in faults] == [("zwei.yaml", 4, 6)]
+
+
+def test_a_shared_name_is_a_warning_where_its_file_is_validated(tmp_path):
+    plant(tmp_path)
+    taken = next(f for f in Library(project=None).names("language") if f.name != "common")
+    copy = put(tmp_path, f"languages/{taken.path.name}", taken.path.read_text("utf-8"))
+    twin = put(tmp_path, "languages/zwei.yaml", PARENT.replace("name: parent", "name: zwei"))
+    other = tmp_path / "languages/child.yaml"
+    own = {"W305", "W323"}
+
+    def told(*paths):
+        found = validate(Library([tmp_path], project=None), paths)
+        return [(f.code, Path(f.file).name) for f in found if f.code in own]
+
+    assert told(twin) == [("W305", "zwei.yaml")]
+    assert told(other) == told(copy) == [], "an equal copy changes nothing"
+    put(
+        tmp_path,
+        f"languages/{taken.path.name}",
+        PARENT.replace("name: parent", f"name: {taken.name}"),
+    )
+    assert ("W323", copy.name) in told(copy)
+    assert told(other) == []
 
 
 @full
@@ -160,18 +180,8 @@ def test_a_pack_in_place_of_a_built_in_one_is_a_warning_unless_it_extends_it(kin
     }[kind]
     for extends, places in (("", [(file, 3)]), (f"extends: {name}\n", [])):
         put(tmp_path, file, text.replace("title:", f"{extends}title:", 1))
-        for paths in (None, [tmp_path / file]):
-            found = validate(Library([tmp_path], project=None), paths)
-            found = [f for f in found if f.code == "W323"]
-            told = [(Path(f.file).relative_to(tmp_path).as_posix(), f.line) for f in found]
-            assert told == places
-    put(
-        tmp_path,
-        file,
-        next(f for f in shipped.names(kind) if f.name == name).path.read_text("utf-8"),
-    )
-    faults = validate(Library([tmp_path], project=None))
-    assert "W323" not in {f.code for f in faults}, "an equal copy changes nothing"
+        found = [f for f in validate(Library([tmp_path], project=None)) if f.code == "W323"]
+        assert [(Path(f.file).relative_to(tmp_path).as_posix(), f.line) for f in found] == places
 
 
 def test_common_is_no_language(library):

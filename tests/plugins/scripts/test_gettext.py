@@ -1,4 +1,4 @@
-"""Translations of gettext: their encoding, what is not translated, and speakers in comments."""
+"""Files of gettext: encodings, entries without a translation, and speakers in comments."""
 
 import pytest
 
