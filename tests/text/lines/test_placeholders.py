@@ -166,6 +166,8 @@ def test_values_of_placeholders_and_branches_are_spoken():
         ("Hi, !", "Hi,  "),
         ("!?", "  "),
         ("...! Hi", ",    Hi"),
+        ("Wait...!", "Wait!   "),
+        ("Wait…!? No... no", "Wait!?  No,   no"),
         ("नमस्ते। ।", "नमस्ते।  "),
         ("Well: : yes", "Well:   yes"),
         ("Really?! Wow!! No", "Really?! Wow!! No"),

@@ -79,7 +79,8 @@ WORKER_TEXTS = 2000
 """Maximum number of texts for one process."""
 
 _QUOTED_CHARS = 60
-_DOTS = re.compile(r"\.{2,}|…")
+_DOTS = re.compile(r"(?:\.{2,}|…)([!?]*)")
+"""An ellipsis with the marks behind it, which some voices would read out by name."""
 _ORDER = (
     (re.compile("([\u064b-\u0650])\u0651"), "\u0651\\1"),
     (re.compile("([\u05b0-\u05bb\u05c7]+)([\u05bc\u05c1\u05c2]+)"), r"\2\1"),
@@ -230,7 +231,7 @@ def blank(text: str) -> str:
     for marks, order in _ORDER:
         text = marks.sub(order, text)
     text = _LONE_MARKS.sub(lambda found: _NAMED_MARKS.sub(" ", found[0]), text)
-    dotted = _DOTS.sub(lambda dots: "," + " " * (len(dots.group()) - 1), text)
+    dotted = _DOTS.sub(lambda dots: (dots[1] or ",").ljust(len(dots[0])), text)
     return "".join(
         " " if c in _BLANKED or (unicodedata.category(c) in _UNREAD_CATEGORIES and c != "\n") else c
         for c in dotted
