@@ -99,13 +99,8 @@ class LabelReader:
                     f"{one!a:.60} is no schedule: pass ll.speak(TEXT, LANGUAGE), "
                     "ll.align(RECORDING, TEXT, LANGUAGE) or ll.read_schedule(FILE)"
                 )
-        found: list[LabelSounds] = []
-        for one in schedules:
-            sounds = self._heard.get(one)
-            if sounds is None:
-                sounds = self._heard[one] = self._sounds(one)
-            found.append(sounds)
-        return found
+        known = self._heard
+        return [known.get(one) or known.setdefault(one, self._sounds(one)) for one in schedules]
 
     def _sounds(self, schedule: Schedule) -> LabelSounds:
         """Map the labels of a schedule."""
@@ -128,7 +123,7 @@ class LabelReader:
             )
         return sounds
 
-    def _labels(self, schedule: Schedule, notation: Notation) -> Sequence[str]:
+    def _labels(self, schedule: Schedule, notation: Notation) -> tuple[str, ...]:
         """Return the labels of a schedule as the language reads them beside each other."""
         written = self.notations.get(self.compiled.manner["notation"])
         if not self._corrections or notation is not written:
@@ -138,7 +133,7 @@ class LabelReader:
         bare = tuple(toneless(normalise(label)) for label in schedule.labels)
         said = corrector(self._corrections)(SpokenWord("", bare)).labels
         pairs = zip(schedule.labels, bare, said, strict=True)
-        return [label if one == other else other for label, one, other in pairs]
+        return tuple(label if one == other else other for label, one, other in pairs)
 
     @cached_property
     def _corrections(self) -> tuple[Correction, ...]:

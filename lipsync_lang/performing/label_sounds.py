@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lipsync_lang.base.arrays import Floats, Ints
+from lipsync_lang.pipeline import kernel
 from lipsync_lang.text.phonology.labels import Notation, Value
 
 MARK = 1 << 16
@@ -83,14 +84,17 @@ class LabelTable(dict[str, int]):
         number = SEVERAL if value is None or len(value) != 1 else self._numbers[value[0][0]]
         return self.setdefault(label, number if mark is None else number + (mark + 1) * MARK)
 
-    def read(self, labels: Sequence[str]) -> tuple[Ints | None, Ints]:
+    def read(self, labels: tuple[str, ...]) -> tuple[Ints | None, Ints]:
         """Return the common phoneme of each label, (n,), and its mark, or (0,) if none has one.
 
         The first is None unless each label has one sound.
         """
+        if kernel.compiled is not None:
+            both = np.empty((2, len(labels)), np.intp)
+            marked = kernel.compiled.look_up(self, labels, both, MARK)
+            if marked >= 0:
+                return both[0], both[1, :marked]
         # `__missing__` runs only for new labels, so known ones are looked up in C alone
         codes = np.array(list(map(self.__getitem__, labels)), np.intp)
-        if codes.max() < SEVERAL:
-            return codes, codes[:0]
         ids, marks = codes % MARK, codes // MARK + UNMARKED
-        return None if ids.max() == SEVERAL else ids, marks
+        return None if ids.max() == SEVERAL else ids, marks if marks.max() >= 0 else marks[:0]

@@ -460,7 +460,7 @@ def _animate(
         if said.tables is not tables:
             tables = said.tables
             shown = performer.shown_channels(tables)
-            names_shown = tuple(channel.name for channel in shown)
+            names_shown = (*performer.poses, *(one.name for one in shown[len(performer.poses) :]))
         poses, channels = names_shown, shown
         scales = gesturing.scales_of(performer.compiled, moving, line) if moving else None
         if scales is not None:

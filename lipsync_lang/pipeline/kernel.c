@@ -42,7 +42,7 @@ before any is used. There is no static state; the GIL is released while the stag
 typedef Py_ssize_t Size;
 typedef unsigned char Byte;
 
-#define INTERFACE 6         /* kernel.py: another number wherever calls or arguments change */
+#define INTERFACE 7         /* kernel.py: another number wherever calls or arguments change */
 #define RESOLUTION 128      /* tables.py */
 #define TOUCH 1e-7          /* warp.py */
 #define MARGIN 0.030        /* hold.py */
@@ -1165,7 +1165,43 @@ static PyObject *rows(PyObject *module, PyObject *const *args, Py_ssize_t nargs)
     return made;
 }
 
+/* look_up(table, labels, both, unit) -> int: number and mark of each label of a tuple, into two rows of an array
+
+The table has them as `number + (mark + 1) * unit`. The answer is the count of labels if some have a mark, and
+otherwise 0; it is -1 if one is not in the table, or has the highest number, `unit - 1`, and so none of its own. */
+static PyObject *look_up(PyObject *module, PyObject *const *args, Py_ssize_t nargs)
+{
+    (void)module;
+    if (nargs != 4 || !PyDict_Check(args[0]) || !PyTuple_Check(args[1])) {
+        PyErr_SetString(PyExc_TypeError, "look_up(table, labels, both, unit) of a dictionary and a tuple");
+        return NULL;
+    }
+    const Size count = PyTuple_Size(args[1]), unit = PyLong_AsSsize_t(args[3]);
+    Py_buffer view;
+    if (PyErr_Occurred() || PyObject_GetBuffer(args[2], &view, PyBUF_WRITABLE) < 0)
+        return NULL;
+    if (unit < 1 || view.len != 2 * count * (Size)sizeof(Size)) {
+        PyErr_SetString(PyExc_ValueError, "two rows of as many items as labels are needed, and a unit");
+        PyBuffer_Release(&view);
+        return NULL;
+    }
+    Size *ids = view.buf, *marks = ids + count, answer = 0;
+    for (Size i = 0; i < count && answer >= 0; i++) {
+        PyObject *known = PyDict_GetItemWithError(args[0], PyTuple_GetItem(args[1], i));
+        const Size code = known ? PyLong_AsSsize_t(known) : -1;
+        ids[i] = code % unit;
+        marks[i] = code / unit - 1;
+        if (code < 0 || ids[i] == unit - 1)
+            answer = -1;
+        else if (marks[i] >= 0)
+            answer = count;
+    }
+    PyBuffer_Release(&view);
+    return PyErr_Occurred() ? NULL : PyLong_FromSsize_t(answer);
+}
+
 static PyMethodDef methods[] = {
+    {"look_up", (PyCFunction)(void (*)(void))look_up, METH_FASTCALL, "Look the labels of a line up."},
     {"rows", (PyCFunction)(void (*)(void))rows, METH_FASTCALL, "Write a table of numbers as text."},
     {"bank", make_bank, METH_VARARGS, "Keep the curves of a language and a character."},
     {"plan", make_plan, METH_VARARGS, "Keep what a motion at a frame rate needs."},

@@ -12,7 +12,7 @@ SWITCH = "LIPSYNC_LANG_KERNEL"
 """Environment variable; `off` disables the compiled kernel."""
 
 
-INTERFACE = 6
+INTERFACE = 7
 """Version of the calls and arguments; a library with another version is from other code."""
 
 

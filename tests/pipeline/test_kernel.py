@@ -197,6 +197,39 @@ def test_the_kernel_refuses_tables_of_broken_rows():
         kernel.compiled.rows(None, np.ones(3))
 
 
+UNIT = 10
+"""Unit of marks; labels with the highest number, 9, have none of their own."""
+
+
+@needs_kernel
+@given(st.lists(st.tuples(st.integers(0, UNIT - 1), st.integers(-1, 2)), min_size=1, max_size=9))
+def test_the_kernel_looks_labels_up(read):
+    table = {f"{number}{mark}": number + (mark + 1) * UNIT for number, mark in read}
+    both, labels = np.zeros((2, len(read)), np.intp), tuple(f"{n}{mark}" for n, mark in read)
+    numbers, marks = zip(*read, strict=True)
+    answer = kernel.compiled.look_up(table, labels, both, UNIT)
+    if UNIT - 1 in numbers:
+        assert answer == -1
+        return
+    assert both.tolist() == [list(numbers), list(marks)]
+    assert answer == (len(read) if max(marks) >= 0 else 0)
+    unknown = (*labels[1:], "unknown")
+    assert kernel.compiled.look_up(table, unknown, both, UNIT) == -1
+
+
+@needs_kernel
+def test_the_kernel_refuses_labels_that_it_cannot_look_up():
+    both, frozen = np.zeros((2, 1), np.intp), np.zeros((2, 1), np.intp)
+    frozen.setflags(write=False)
+    for damaged in (
+        (None, ("M",), both, UNIT), ({}, ["M"], both, UNIT), ({}, ("M",), None, UNIT),
+        ({}, ([],), both, UNIT), ({"M": "x"}, ("M",), both, UNIT), ({}, ("M",), both, 2**70),
+        ({}, ("M",), frozen, UNIT), ({}, ("M", "M"), both, UNIT), ({}, ("M",), both, 0), ({},),
+    ):  # fmt: skip
+        with pytest.raises((TypeError, ValueError, OverflowError, BufferError)):
+            kernel.compiled.look_up(*damaged)
+
+
 def test_the_library_tells_of_the_code_it_was_built_from(root):
     source = (root / "lipsync_lang" / "pipeline" / "kernel.c").read_text("utf-8")
     assert f"#define INTERFACE {kernel.INTERFACE} " in source
