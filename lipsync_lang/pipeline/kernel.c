@@ -19,16 +19,19 @@ before any is used. There is no static state; the GIL is released while the stag
 #include <stdlib.h>
 #include <string.h>
 
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__)
-#define WIDE_VECTORS __attribute__((target_clones("avx512f", "avx2", "default"))) /* the loader chooses one */
-#else
+/* The loader chooses one of the clones. Their names are levels of the processor since GCC 12. */
+#if !defined(__GNUC__) || defined(__clang__) || !defined(__x86_64__) || !defined(__gnu_linux__)
 #define WIDE_VECTORS
+#elif __GNUC__ >= 12
+#define WIDE_VECTORS __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define WIDE_VECTORS __attribute__((target_clones("avx512f", "avx2", "default")))
 #endif
 
-#if defined(__GNUC__)
-#define PREFETCH(address) __builtin_prefetch(address)
+#if defined(__GNUC__) && !defined(__clang__)
+#define IN_ANY_ORDER _Pragma("GCC ivdep") /* the loop reads nothing that it writes */
 #else
-#define PREFETCH(address) ((void)(address))
+#define IN_ANY_ORDER
 #endif
 
 #if defined(_MSC_VER)
@@ -49,7 +52,6 @@ typedef unsigned char Byte;
 #define SHORTEST 0.042      /* hold.py */
 #define TAPS 3              /* of a kernel, on each side, in one pass over a row */
 #define LANES 4             /* poses read at once */
-#define SOON 8              /* frames until a row of the curves is read that is fetched into the cache now */
 #define CHAINS 10           /* rows whose running minima are computed at once */
 #define LATEST 1e9          /* seconds; beyond it frames have no place */
 #define MAX_VIEWS 20
@@ -126,16 +128,18 @@ typedef struct {
 } Dial;
 
 typedef struct {
-    double *curves;  /* (P, stride) */
-    double *joined;  /* (stride, P) */
-    double *fresh;   /* (EARLY, stride) */
-    double *room;    /* (stride,) */
-    double *row;     /* (stride + 2 reach,) */
-    double *part;    /* (stride, 2) between two rows of the curves */
-    double *share;   /* (stride,) of the bigram that begins */
-    Size *phoneme;   /* (stride,) */
-    Size *ending;    /* (stride,) rows of the curves, of the bigram that ends with the phoneme */
-    Size *beginning; /* (stride,) and of the one that begins with it */
+    double *curves;   /* (P, stride) */
+    double *joined;   /* (stride, P) */
+    double *fresh;    /* (EARLY, stride) */
+    double *room;     /* (stride,) */
+    double *row;      /* (stride + 2 reach,) */
+    double *time;     /* (stride,) */
+    double *share;    /* (stride,) of the bigram that begins */
+    double *part[2];  /* (stride,) between two rows of the bank's curves, of the bigrams that end and begin */
+    Size *row_of[2];  /* (stride,) these rows */
+    Size *phoneme;    /* (stride,) */
+    double *boundary; /* (n + 1,) of the bigram before each phoneme, and of the one after the last */
+    Size *bigram;     /* (n + 1,) first row of its curves */
     Size stride;
 } Scratch;
 
@@ -214,15 +218,10 @@ INLINE double seconds(const Plan *plan, const Frames *frames, Size frame)
 
 /* ---------------------------------------------------------------- warp.py */
 
-/* `warp`: the row of the curves before a position in a bigram, and the share of the way to the next. */
-INLINE Size row_at(Size row, double position, double *part)
+/* `warp`: rows of a bigram's curves until a position in it */
+INLINE double steps_at(double position)
 {
-    const double steps = least(most(position * RESOLUTION, 0), RESOLUTION - 1e-9);
-    Size low = (Size)steps;
-    if ((size_t)low >= RESOLUTION)
-        low = RESOLUTION - 1;
-    *part = steps - (double)low;
-    return row * (RESOLUTION + 1) + low;
+    return least(most(position * RESOLUTION, 0), RESOLUTION - 1e-9);
 }
 
 INLINE double value_at(const float *under, Size poses, Size pose, double part)
@@ -245,41 +244,61 @@ static Size phoneme_at(const Track *track, double time)
     return low - 1;
 }
 
-/* `locate` and the positions of `warp`, phoneme by phoneme */
-INLINE void locate(const Bank *bank, const Plan *plan, const Track *track, const Frames *frames, Size low, Size width,
-                   Scratch *s)
+/* The bigrams beside each phoneme; rest before the first one and after the last. */
+static void find_bigrams(const Bank *bank, const Plan *plan, const Track *track, Scratch *s)
 {
-    const Size last = track->count - 1;
-    Size at = phoneme_at(track, seconds(plan, frames, low) + TOUCH);
-    for (Size t = 0; t < width; at++) {
-        double boundary[2] = {0, 0};
-        Size rows[2] = {0, 0}; /* rest before the first phoneme and after the last */
-        for (int side = 0; side < 2; side++) {
-            const Size bigram = at - 1 + side;
-            if (bigram < 0 || bigram >= last)
-                continue;
-            rows[side] = track->rows[bigram];
-            boundary[side] = plan->flag[LINEAR]
-                                 ? track->moving[bigram] / (track->moving[bigram] + track->moving[bigram + 1])
-                                 : bank->boundary[rows[side]];
-        }
-        const double start = track->bounds[at], end = track->bounds[at + 1], moving = track->moving[at];
-        const int is_long = moving < track->reach[at];
-        for (; t < width; t++) {
-            const double time = seconds(plan, frames, low + t);
-            if (at < last && end <= time + TOUCH)
-                break;
-            double passed = time - start, left = end - time;
-            if (is_long) {
-                passed = least(passed, most(moving / 2, moving - left));
-                left = moving - passed;
-            }
-            const double coming = fabs(passed - moving) <= TOUCH ? 1.0 : most(passed, 0) / moving;
-            const double going = fabs(left - moving) <= TOUCH ? 0.0 : 1 - left / moving;
-            s->phoneme[t] = at;
-            s->share[t] = least(most(going, 0), 1);
-            s->ending[t] = row_at(coming <= 1 ? rows[0] : 0, boundary[0] + (1 - boundary[0]) * coming, s->part + 2 * t);
-            s->beginning[t] = row_at(going >= 0 ? rows[1] : 0, boundary[1] * going, s->part + 2 * t + 1);
+    const Size n = track->count;
+    s->boundary[0] = s->boundary[n] = 0;
+    s->bigram[0] = s->bigram[n] = 0;
+    for (Size i = 0; i + 1 < n; i++) {
+        s->bigram[i + 1] = track->rows[i] * (RESOLUTION + 1);
+        s->boundary[i + 1] = plan->flag[LINEAR] ? track->moving[i] / (track->moving[i] + track->moving[i + 1])
+                                                : bank->boundary[track->rows[i]];
+    }
+}
+
+/* `locate` and the positions of `warp`: the phoneme of each frame first, and then all frames alike, without
+branches, so that some frames are worked on at once */
+INLINE void locate(const Plan *plan, const Track *track, const Frames *frames, Size low, Size width, Scratch *s)
+{
+    const double *bounds = track->bounds, *lengths = track->moving, *reach = track->reach, *boundary = s->boundary;
+    const Size last = track->count - 1, *bigram = s->bigram;
+    const double start = frames->start, first = (double)(frames->first + low), fps = plan->number[FPS];
+    double *RESTRICT time = s->time;
+    Size *RESTRICT phoneme = s->phoneme;
+    for (int t = 0; t < (int)width; t++)
+        time[t] = start + (first + t) / fps;
+    Size at = phoneme_at(track, time[0] + TOUCH);
+    for (Size t = 0; t < width; t++) {
+        while (at < last && bounds[at + 1] <= time[t] + TOUCH)
+            at++;
+        phoneme[t] = at;
+    }
+    double *RESTRICT share = s->share, *RESTRICT ended = s->part[0], *RESTRICT begun = s->part[1];
+    Size *RESTRICT ending = s->row_of[0], *RESTRICT beginning = s->row_of[1];
+    IN_ANY_ORDER
+    for (Size t = 0; t < width; t++) {
+        const Size here = phoneme[t], before = bigram[here], after = bigram[here + 1];
+        const double moving = lengths[here], since = time[t] - bounds[here], until = bounds[here + 1] - time[t];
+        const double capped = least(since, most(moving / 2, moving - until));
+        const double passed = moving < reach[here] ? capped : since, rest = moving - passed;
+        const double left = moving < reach[here] ? rest : until;
+        const double onward = most(passed, 0) / moving, back = 1 - left / moving;
+        const double coming = fabs(passed - moving) <= TOUCH ? 1.0 : onward;
+        const double going = fabs(left - moving) <= TOUCH ? 0.0 : back;
+        share[t] = least(most(going, 0), 1);
+        ended[t] = steps_at(boundary[here] + (1 - boundary[here]) * coming);
+        begun[t] = steps_at(boundary[here + 1] * going);
+        ending[t] = coming <= 1 ? before : 0;
+        beginning[t] = going >= 0 ? after : 0;
+    }
+    for (int side = 0; side < 2; side++) { /* whole steps are rows, and the rest is a share of the next one */
+        double *RESTRICT steps = s->part[side];
+        Size *RESTRICT row = s->row_of[side];
+        for (Size t = 0; t < width; t++) {
+            const int whole = (int)steps[t];
+            steps[t] -= whole;
+            row[t] += whole;
         }
     }
 }
@@ -297,14 +316,11 @@ INLINE void stitch(const Bank *bank, const Plan *plan, const Track *track, const
                    Scratch *s)
 {
     const Size poses = bank->poses;
-    locate(bank, plan, track, frames, low, width, s);
+    locate(plan, track, frames, low, width, s);
     for (Size t = 0; t < width; t++) {
-        const float *ending = bank->curves + s->ending[t] * poses, *beginning = bank->curves + s->beginning[t] * poses;
-        const double *part = s->part + 2 * t, share = s->share[t];
-        if (t + SOON < width) {
-            PREFETCH(bank->curves + s->ending[t + SOON] * poses);
-            PREFETCH(bank->curves + s->beginning[t + SOON] * poses);
-        }
+        const float *ending = bank->curves + s->row_of[0][t] * poses;
+        const float *beginning = bank->curves + s->row_of[1][t] * poses;
+        const double part[2] = {s->part[0][t], s->part[1][t]}, share = s->share[t];
         double *RESTRICT out = s->joined + t * poses;
         if (plan->flag[CROSSFADE])
             for (Size p = 0; p < poses; p++)
@@ -330,8 +346,7 @@ INLINE void stitch(const Bank *bank, const Plan *plan, const Track *track, const
 /* ---------------------------------------------------------------- levels.py */
 
 /* `scale`: numpy.interp of each level, walked along the frames */
-INLINE void scale(const Plan *plan, const Dial *dials, Size dial_count, const Frames *frames, Size low, Size width,
-                  Scratch *s)
+INLINE void scale(const Plan *plan, const Dial *dials, Size dial_count, Size width, Scratch *s)
 {
     const Size poses = plan->size[POSES];
     double *RESTRICT level = s->row;
@@ -341,7 +356,7 @@ INLINE void scale(const Plan *plan, const Dial *dials, Size dial_count, const Fr
         const Size last = dial->count - 1;
         Size k = -1; /* the last point that is not after the frame */
         for (Size t = 0; t < width; t++) {
-            const double time = seconds(plan, frames, low + t);
+            const double time = s->time[t];
             while (k < last && at[k + 1] <= time)
                 k++;
             if (k < 0)
@@ -645,7 +660,7 @@ static void run_block(const Bank *bank, const Plan *plan, const Track *track, co
     const Size width = high - low;
     stitch(bank, plan, track, frames, low, width, s);
     if (dial_count)
-        scale(plan, dials, dial_count, frames, low, width, s);
+        scale(plan, dials, dial_count, width, s);
     if (plan->size[EARLY])
         anticipate(plan, track, width, s);
     soften(plan, plan->wide, plan->size[WIDE], width, s);
@@ -684,20 +699,26 @@ static int run_all(const Bank *bank, const Plan *plan, const Track *track, const
     const Size poses = plan->size[POSES], block = plan->size[BLOCK], early = plan->size[EARLY];
     const Size stride = least_size(span[1] - span[0], block + 2 * plan->size[HALO]) + 8;
     const Size reach = most_size(plan->size[WIDE], plan->size[SHARED]);
-    const size_t doubles = (size_t)stride * (size_t)(2 * poses + early + 5) + 2 * (size_t)reach;
-    double *memory = malloc(doubles * sizeof(double) + 3 * (size_t)stride * sizeof(Size));
+    const Size n = track->count;
+    const size_t doubles = (size_t)stride * (size_t)(2 * poses + early + 6) + 2 * (size_t)reach + (size_t)n + 1;
+    double *memory = malloc(doubles * sizeof(double) + (3 * (size_t)stride + (size_t)n + 1) * sizeof(Size));
     if (!memory)
         return -1;
     Scratch s = {.curves = memory, .stride = stride};
     s.joined = s.curves + poses * stride;
     s.fresh = s.joined + poses * stride;
     s.room = s.fresh + early * stride;
-    s.part = s.room + stride;
-    s.share = s.part + 2 * stride;
-    s.row = s.share + stride;
+    s.time = s.room + stride;
+    s.share = s.time + stride;
+    s.part[0] = s.share + stride;
+    s.part[1] = s.part[0] + stride;
+    s.boundary = s.part[1] + stride;
+    s.row = s.boundary + n + 1;
     s.phoneme = (Size *)(memory + doubles);
-    s.ending = s.phoneme + stride;
-    s.beginning = s.ending + stride;
+    s.row_of[0] = s.phoneme + stride;
+    s.row_of[1] = s.row_of[0] + stride;
+    s.bigram = s.row_of[1] + stride;
+    find_bigrams(bank, plan, track, &s);
     for (Size begin = span[0]; begin < span[1]; begin += block) {
         const Size stop = least_size(begin + block, span[1]);
         double *here = out + (begin - span[0]) * poses;
