@@ -52,7 +52,8 @@ def found(*packages):
 
 
 def chromium():
-    names = ("chromium", "chromium-browser", "google-chrome")
+    # The one without windows takes a third less of a processor.
+    names = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
     path = next(filter(None, map(shutil.which, names)), None)
     return path or pytest.skip("chromium is not installed")
 
