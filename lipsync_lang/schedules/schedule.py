@@ -21,6 +21,9 @@ SILENCE = "_"
 DOUBTFUL = 0.5
 """Confidence below which a line, or a word, is in doubt."""
 
+OTHER_ORDER = "the words fit better in another order"
+"""Start of a remark about which no other aligner is asked: few tell the order of words."""
+
 STRESSES = (None, 0, 1, 2)
 """Values of stress: unmarked, none, primary and secondary."""
 

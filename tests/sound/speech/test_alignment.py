@@ -17,7 +17,7 @@ import lipsync_lang as ll
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.schedules import SILENCE
-from lipsync_lang.schedules.schedule import DOUBTFUL
+from lipsync_lang.schedules.schedule import DOUBTFUL, OTHER_ORDER
 from lipsync_lang.sound.speech.hearing import alignment
 from lipsync_lang.sound.speech.hearing.align.aligners import ALIGNERS, BatchAligner
 from lipsync_lang.sound.speech.hearing.align.pocketsphinx_aligner import WordReader, unfit
@@ -858,14 +858,14 @@ def laid_by(monkeypatch, name, confidence):
     ("first", "second", "kept", "told"),
     [
         (0.9, 1.0, "pocketsphinx", None),
-        (0.3, 0.6, "warp", "aligned by warp, the most confident of: pocketsphinx 0.30, warp 0.60"),
-        (0.3, 0.2, "pocketsphinx", "aligned by pocketsphinx, the most confident of"),
+        (0.3, 0.6, "warp", "aligned by warp; confidence by aligner: pocketsphinx 0.30, warp 0.60"),
+        (0.3, 0.2, "pocketsphinx", "aligned by pocketsphinx; confidence by aligner: pocketsphinx"),
         (
             None,
             0.4,
             "warp",
             (
-                "aligned by warp, the most confident of: pocketsphinx failed, warp 0.40 "
+                "aligned by warp; confidence by aligner: pocketsphinx failed, warp 0.40 "
                 "(pocketsphinx finds"
             ),
         ),
@@ -901,17 +901,36 @@ def test_a_text_that_one_aligner_refuses_needs_more_than_another(monkeypatch):
     assert "(the text does not fit the recording)" in found.remarks[-1]
 
 
-def test_a_line_whose_words_fit_stays_where_it_is_whatever_is_beside_it(monkeypatch):
-    laid_by(monkeypatch, "pocketsphinx", 0.2)
-    laid_by(monkeypatch, "warp", 0.9)
-    said = (ll.Word("Mama", 0, 1, confidence=0.8),)
-    first = ll.Schedule(("m",), [0.0, 1.0], words=said, confidence=0.2, language="german")
+def attempt(monkeypatch, first):
+    """Ask warp, which is quite sure, about a line in doubt."""
+    laid_by(monkeypatch, "warp", 0.98)
     named = [NamedAligner("warp", ALIGNERS.known["warp"], None)]
     silence = ll.Audio(np.zeros(16000, np.int16), 16000)
     line = AlignmentAttempt(lambda: silence, WrittenText("Mama"), [("pocketsphinx", first)])
     (found,) = finished([line], named, Speaker.of("german"))
-    assert found.words == said
-    assert "hardly fits the recording" in found.remarks[0]
+    return found
+
+
+@pytest.mark.parametrize(("fits", "kept"), [(0.8, True), (0.2, False)])
+@pytest.mark.parametrize(("sure", "passes"), [(0.2, True), (0.0, False)])
+def test_words_that_fit_stay_where_they_are_if_another_aligner_is_surer(
+    monkeypatch, fits, kept, sure, passes
+):
+    said = (ll.Word("Mama", 0, 1, confidence=fits),)
+    first = ll.Schedule(("m",), [0.0, 1.0], words=said, confidence=sure, language="german")
+    found = attempt(monkeypatch, first)
+    assert (found.words == said) == kept
+    assert (found.confidence >= DOUBTFUL) == passes
+    assert ("hardly fits the recording" in found.remarks[0]) != passes
+    assert f"aligned by {'pocketsphinx' if kept else 'warp'}; " in found.remarks[-1]
+
+
+def test_no_other_aligner_is_asked_about_words_in_another_order(monkeypatch):
+    told = (f"{OTHER_ORDER}, such as 'Mama' first",)
+    first = ll.Schedule(("m",), [0.0, 1.0], confidence=0.3, language="german", remarks=told)
+    found = attempt(monkeypatch, first)
+    assert found.confidence == pytest.approx(0.3)
+    assert not any("aligned by" in one for one in found.remarks)
 
 
 class Sure(BatchAligner):

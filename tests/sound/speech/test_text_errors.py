@@ -11,7 +11,7 @@ from lipsync_lang.sound.speech.hearing.alignment import aligned
 from lipsync_lang.sound.speech.hearing.sphinx import line_search
 from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS
 from lipsync_lang.sound.speech.hearing.sphinx.forced import Run
-from lipsync_lang.sound.speech.hearing.sphinx.line_search import TextErrors
+from lipsync_lang.sound.speech.hearing.sphinx.line_search import MOVED_CONFIDENCE, TextErrors
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 pytest.importorskip("pocketsphinx")
@@ -97,7 +97,14 @@ def test_a_right_text_has_no_such_remark(english, spoken):
 
 @pytest.mark.parametrize(
     ("order", "named"),
-    [([2, 0, 1, 3], None), ([1, 0, 2, 3], (1, -1)), ([2, 3, 0, 1], (0, 3)), ([0, 1, 2, 3], None)],
+    [
+        ([2, 0, 1, 3], None),
+        ([1, 0, 2, 3], (1, -1)),
+        ([2, 3, 0, 1], (0, 3)),
+        ([0, 1, 2, 3], None),
+        ([1, 0, 3, 2], (1, -1)),
+        ([3, 0, 1], (3, -1)),
+    ],
 )
 def test_no_place_is_named_that_sounds_as_one_of_the_text(order, named, monkeypatch):
     way = [(word, Run(word, 9 * at, 9 * at + 9)) for at, word in enumerate(order)]
@@ -109,13 +116,26 @@ def test_no_place_is_named_that_sounds_as_one_of_the_text(order, named, monkeypa
     assert (found and found[:2]) == named
 
 
-def test_short_and_repeated_words_need_more_evidence_elsewhere():
-    errors = object.__new__(TextErrors)
-    errors._ways = [(1, 2, 3), (4, 5), (6, 7, 8), (1, 2, 3), (9, 8, 7)]
-    prices = [errors._price(-10.0, word) for word in range(5)]
-    assert prices == [-15.0, -15.0, -10.0, -15.0, -10.0]
-    assert errors._price(-10.0, 2, 4) == -10.0
-    assert errors._price(-10.0, 1, 2) == -15.0
+def test_a_line_that_is_heard_badly_needs_more_evidence_of_another_order(
+    english, spoken, monkeypatch
+):
+    text = "The hogs fed were chopped corn and garbage"
+    found = aligned(english, spoken.audio, text, aligner="pocketsphinx")
+    assert told(found, ORDER)
+    monkeypatch.setattr(line_search, "GOOD_FIT", 30.0)
+    found = aligned(english, spoken.audio, text, aligner="pocketsphinx")
+    assert not told(found, ORDER)
+
+
+@pytest.mark.parametrize(("sure", "searched"), [(0.2, True), (0.01, False)])
+def test_a_line_in_doubt_is_searched_for_another_order(
+    english, spoken, monkeypatch, sure, searched
+):
+    monkeypatch.setattr(line_search, "line_confidence", lambda _: sure)
+    text = "The hogs fed were chopped corn and garbage"
+    found = aligned(english, spoken.audio, text, aligner="pocketsphinx")
+    assert bool(told(found, ORDER)) == searched
+    assert found.confidence == (MOVED_CONFIDENCE if searched else sure)
 
 
 def test_one_odd_frame_moves_no_word(english, spoken, monkeypatch):

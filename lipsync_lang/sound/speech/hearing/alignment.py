@@ -15,7 +15,7 @@ from typing import NamedTuple, overload
 
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.packs.finding import Paths
-from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, Audio, Schedule
+from lipsync_lang.schedules.schedule import DOUBTFUL, OTHER_ORDER, SILENCE, Audio, Schedule
 from lipsync_lang.sound.speech.hearing.align.aligners import ALIGNERS, Aligner, BatchAligner
 from lipsync_lang.sound.speech.results import WrongTextError, exhaust, next_result, raised, tried
 from lipsync_lang.sound.speech.sound import SoundSource, sound_of
@@ -235,19 +235,20 @@ class AlignmentAttempt:
     results: list[tuple[str, Schedule | SpeechError]]
 
     @property
-    def best(self) -> Schedule | SpeechError:
-        """The most confident result, the first of equal ones."""
-        return max((result for _, result in self.results), key=_sureness)
+    def kept(self) -> tuple[str, Schedule | SpeechError]:
+        """The result whose times are kept: the first if its words fit, else the most confident."""
+        words = getattr(self.results[0][1], "words", ())
+        sure = sorted(word.confidence for word in words if word.confidence is not None)
+        fits = sure and sure[len(sure) // 2] >= DOUBTFUL
+        return self.results[0] if fits else max(self.results, key=lambda one: _sureness(one[1]))
 
     @property
     def unsure(self) -> bool:
         """True if the next aligner should be asked."""
-        if self.text.silent or _sureness(self.best) >= DOUBTFUL:
+        told = [one for _, found in self.results for one in getattr(found, "remarks", ())]
+        if self.text.silent or any(OTHER_ORDER in one for one in told):
             return False
-        # Most words fit where only other sound beside them makes the line doubtful.
-        words = self.best.words if isinstance(self.best, Schedule) else ()
-        sure = sorted(word.confidence for word in words if word.confidence is not None)
-        return not sure or sure[len(sure) // 2] < DOUBTFUL
+        return all(_sureness(found) < DOUBTFUL for _, found in self.results)
 
     @property
     def seconds(self) -> float:
@@ -257,19 +258,18 @@ class AlignmentAttempt:
 
     @property
     def surest(self) -> Schedule | SpeechError:
-        """The best result with the doubts about it, and with the markup of the text."""
-        if isinstance(self.best, SpeechError) or self.text.silent:
-            return self.best
-        schedule, first = self.best, self.results[0][1]
+        """The result that is kept with the doubts about it, and with the markup of the text."""
+        (kept, schedule), first = self.kept, self.results[0][1]
+        if isinstance(schedule, SpeechError) or self.text.silent:
+            return schedule
         if len(self.results) == 1:
             return as_written(self.text, _doubted(schedule))
         rates = [(name, _sureness(one)) for name, one in self.results]
         asked = ", ".join(f"{n} {'failed' if rate < 0 else f'{rate:.2f}'}" for n, rate in rates)
-        kept = max(rates, key=lambda one: one[1])[0]
         failed = f" ({first})" if isinstance(first, SpeechError) else ""
-        remark = f"aligned by {kept}, the most confident of: {asked}{failed}"
+        remark = f"aligned by {kept}; confidence by aligner: {asked}{failed}"
         # a wrong text that is like the sound to one aligner is seldom so to another
-        known = [min(max(rate, 0.01), 0.99) for _, rate in rates if rate >= 0]
+        known = [min(max(rate, 0.01), 0.995) for _, rate in rates if rate >= 0]
         odds = prod(rate / (1 - rate) for rate in known) ** (1 / len(known))
         schedule = _doubted(replace(schedule, confidence=odds / (1 + odds)))
         schedule = replace(schedule, remarks=(*schedule.remarks, remark))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from lipsync_lang.base.arrays import Floats, Ints, Singles
-from lipsync_lang.schedules.schedule import DOUBTFUL
+from lipsync_lang.schedules.schedule import DOUBTFUL, OTHER_ORDER
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import (
     OUTSIDE,
     AcousticModel,
@@ -49,12 +49,12 @@ MIN_WORDS = 3
 REACH = 8
 """Most words over which a word is moved."""
 
-EXCHANGED_LOG, MOVED_LOG, PARTS_LOG = -22.0, -60.0, -120.0
+ORDER_LOGS = -22.0, -60.0, -120.0
 """Log scores of two neighbours exchanged, of a word moved further, and of two parts exchanged."""
 
-CHANCE_PHONES, CHANCE_FACTOR = 2, 1.5
-"""Most phonemes of a word that fits elsewhere by chance, as a repeated word does, and the factor of
-these scores for both."""
+GOOD_FIT, MISFIT_WEIGHT = -3.5, 0.5
+"""Mean fit of a line below which chance gains more by another order, and the share of these scores
+that each unit below it adds to them."""
 
 ORDER_FLOOR_LOG = -12.0
 """Least log likelihood of a frame relative to the likeliest phoneme, in the search of orders."""
@@ -89,7 +89,8 @@ SPEECH = Node(OUTSIDE, OUTSIDE, WordPosition.INSIDE)
 """Speech without words; both have the context and the states of silence."""
 
 MOVED_CONFIDENCE = 0.05
-"""Greatest confidence of a line with a word that fits better elsewhere."""
+"""Greatest confidence of a line with a word that fits better elsewhere, and the least one of a line
+that is searched for such a word."""
 
 MAX_PARTED_FRAMES = 4000
 """Most frames of a sound that is parted: 40 s."""
@@ -133,7 +134,7 @@ class MovedWord(NamedTuple):
         """Describe it in a remark."""
         place = f"after '{texts[self.after]}'" if self.after != OUTSIDE else "first"
         return (
-            f"the words fit better in another order, such as '{texts[self.word]}' {place} at "
+            f"{OTHER_ORDER}, such as '{texts[self.word]}' {place} at "
             f"{self.first * FRAME_SECONDS:.1f} s; write them in the order of the recording"
         )
 
@@ -179,6 +180,8 @@ class TextErrors:
     ) -> None:
         self._model = model
         self._said = [one for one in heard if OUTSIDE not in (one.word, one.phone)]
+        misfit = GOOD_FIT - float(np.mean([one.fit for one in self._said]))
+        self._misheard = 1 + MISFIT_WEIGHT * max(0.0, misfit)
         ways: list[tuple[int, ...]] = [()] * len(words)
         for one in self._said:
             ways[one.word] += (one.phone,)
@@ -211,20 +214,15 @@ class TextErrors:
             return None
         pairs = {*pairwise([(), *self._ways])}
         rests = [[*order[:at], *order[at + 1 :]] for at in range(len(order))]
-        # without a single word that moved, the halves are exchanged
-        moved = [n for n, rest in enumerate(rests) if rest == sorted(rest)] or [0, order.index(0)]
+        moved = [n for n, rest in enumerate(rests) if rest == sorted(rest)]
+        # without a single word that moved, parts are exchanged, or words at several places
+        moved = moved or [n for n, one in enumerate(order) if one - 1 not in order[n - 1 : n]]
         for at in moved:
             after = order[at - 1] if at else OUTSIDE
             if (self._ways[after] if at else (), self._ways[order[at]]) not in pairs:
                 first = next(run.first for word, run in way if word == order[at])
                 return MovedWord(order[at], after, first + self._start + self._within.start)
         return None
-
-    def _price(self, usual: float, *words: int) -> float:
-        """Return the price of words at other places, higher where they fit by chance."""
-        ways = [self._ways[word] for word in words]
-        chance = any(len(way) <= CHANCE_PHONES or self._ways.count(way) > 1 for way in ways)
-        return usual * CHANCE_FACTOR if chance else usual
 
     def _likeliest_order(self) -> list[tuple[int, Run]]:
         """Return the phonemes of the likeliest order of the words, with the price of another one.
@@ -235,7 +233,7 @@ class TextErrors:
         joins: list[list[int]] = [[SOUND_START], *([] for _ in range(count))]
         early: list[list[int]] = [[] for _ in range(count)]
         prices: dict[int, float] = {}
-        moved = [self._price(MOVED_LOG, word) for word in range(count)]
+        exchanged, moved, parts = (self._misheard * log for log in ORDER_LOGS)
 
         def spoken(word: int, ends: Sequence[int], price: float = 0.0) -> list[int]:
             """Add a word after others, and an optional pause."""
@@ -249,11 +247,10 @@ class TextErrors:
             last = before
             for other in range(at + 1, min(at + REACH + 1, count)):
                 last = spoken(other, last)
-                price = moved[at] if other > at + 1 else self._price(EXCHANGED_LOG, at, other)
-                joins[other + 1] += spoken(at, last, price)
+                joins[other + 1] += spoken(at, last, moved if other > at + 1 else exchanged)
             # earlier: a word from further on, here or before, and then those up to this one
             for other in range(at + 2, min(at + REACH + 1, count)):
-                early[other] = spoken(at, [*early[other], *spoken(other, before, moved[other])])
+                early[other] = spoken(at, [*early[other], *spoken(other, before, moved)])
             if at + 1 < count:
                 joins[at + 2] += spoken(at, early[at + 1])
             joins[at + 1] += spoken(at, before)
@@ -263,7 +260,7 @@ class TextErrors:
         for word in range(1, count):
             last = spoken(word, [SOUND_START, *last])
         for word in range(count - 1):
-            last = spoken(word, last, 0.0 if word else PARTS_LOG)
+            last = spoken(word, last, 0.0 if word else parts)
             ends += last
         ends.append(graph.add(PAUSE, OUTSIDE, OUTSIDE, ends))
         # without context: a model knows those of its own language alone
@@ -412,7 +409,8 @@ def _found(
 ) -> FoundLine:
     heard, features = best_heard(models, sound, words)
     sure = line_confidence(heard)
-    if sure < DOUBTFUL or len(features) > WINDOW_FRAMES or len(words) < MIN_WORDS:
+    # a line in doubt may pass by another aligner, which does not tell the order of words
+    if sure < MOVED_CONFIDENCE or len(features) > WINDOW_FRAMES or len(words) < MIN_WORDS:
         return FoundLine(heard, sure)
     errors = TextErrors(models.model, centred(features, heard)[:], words, heard, margin)
     moved = errors.moved_word()
