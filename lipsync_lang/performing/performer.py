@@ -458,8 +458,7 @@ def _animate(
             made = said.performance(performer, sounds, fps)
             times, weights = made.frames.times(), made.weights()
         if said.tables is not tables:
-            tables = said.tables
-            shown = performer.shown_channels(tables)
+            tables, shown = said.tables, performer.shown_channels(said.tables)
             names_shown = (*performer.poses, *(one.name for one in shown[len(performer.poses) :]))
         poses, channels = names_shown, shown
         scales = gesturing.scales_of(performer.compiled, moving, line) if moving else None
@@ -480,13 +479,17 @@ def _animate(
 def _neutral_copy(performer: "Performer", fps: float) -> KernelCopy | None:
     """Return the neutral bank as the compiled kernel keeps it; None if the kernel cannot play it.
 
-    `lay_track` lays the tracks of a bank with trigrams.
+    `lay_track` lays the tracks of a bank with trigrams. The copy of the last frame rate is cached.
     """
     tables, motion = performer.compiled.tables, performer.motion
     if not serves(motion) or len(tables.trigrams):
         return None
-    shown = tables.papers if motion.thresholds == "paper" else tables
-    return keep(shown, motion, prepare(shown, motion, fps), fps)
+    known: tuple[float, KernelCopy] | None = vars(performer).get("_kept")
+    if known is None or known[0] != fps:
+        shown = tables.papers if motion.thresholds == "paper" else tables
+        copy = keep(shown, motion, prepare(shown, motion, fps), fps)
+        known = vars(performer)["_kept"] = fps, copy
+    return known[1]
 
 
 def without_gaps(pair: PlayedPair, schedule: Schedule, sounds: "LabelSounds") -> Schedule:

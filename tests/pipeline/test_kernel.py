@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from lanes import full
 from strategies import RATES, any_lines, lines, motions, real
 
+import lipsync_lang as ll
 from lipsync_lang.pipeline import kernel, kernel_plan
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.prepare import prepare
@@ -102,6 +103,20 @@ def test_settings_that_the_kernel_does_not_know_are_left_to_numpy(line, motion, 
     assert kernel_plan.serves(motion) is known
     if not known or performance.overlays or performance.blends:
         assert np.array_equal(performance.weights(), in_numpy(performance))
+
+
+@needs_kernel
+def test_a_performer_plays_other_rates_in_turn_and_without_the_kernel():
+    performer, line = ll.resolve("english", "facefx"), ll.Schedule(("M", "AA"), [0, 0.1, 0.4])
+    for fps in (60, 24, 60):
+        new = replace(performer).perform(line, fps)
+        again = performer.perform(line, fps)
+        assert np.array_equal(new.times, again.times)
+        assert np.array_equal(new.weights, again.weights)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(kernel, "compiled", None)
+        plain = performer.perform(line, 60)
+    assert np.abs(plain.weights - again.weights).max() <= AGREED
 
 
 @needs_kernel
