@@ -32,7 +32,7 @@ from lipsync_lang.schedules.timing_readers import read_schedule
 from lipsync_lang.sound.speech.hearing.alignment import aligned
 from lipsync_lang.sound.speech.sound import AUDIO_SUFFIXES, read_audio, resampled
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
-from lipsync_lang.text.lines.timings import TIMING_SUFFIXES
+from lipsync_lang.text.lines.plain import TIMING_SUFFIXES
 
 RATE = 16_000
 FAR_SECONDS = 0.1

@@ -182,6 +182,23 @@ def _read_alike(spellings: tuple[str, ...]) -> tuple[str, ...]:
     return spellings
 
 
+class RankCase(Strict):
+    """A case of ranks: where they have it, and their endings."""
+
+    before: str = ""
+    """Expression for what follows the rank, such as a name in the case: `\\w+ovi(?!\\w)`."""
+    after: str = ""
+    """Expression for what precedes the rank, such as a preposition with its space."""
+    endings: dict[Text, str] = Field(min_length=1)
+    """Ends of the words of ranks, or whole words, with those of the case; the longest that fits a
+    word wins."""
+
+    @model_validator(mode="after")
+    def _usable(self) -> Self:
+        check_contexts({"before": self.before, "after": self.after})
+        return self
+
+
 class LanguageText(Strict):
     """Written forms of a language that its engine would misread."""
 
@@ -206,6 +223,9 @@ class LanguageText(Strict):
     ] = Field(default={})
     """The words for ranks, such as `por.: porucznik`, which stand before a name with a capital, or
     before another rank. The same spelling in `abbreviations` says what is read elsewhere."""
+    rank_cases: dict[Text, RankCase] = Field(default={})
+    """Cases of the ranks, in languages that inflect them before a name, by name. The first whose
+    expressions fit wins."""
     letters: dict[Annotated[str, Field(pattern="^[A-Z]$")], Text] = Field(default={})
     """Names of Latin letters, for an engine that knows none. Capitals in a row are spelled if all
     have names: a language in Latin letters names its consonants, and reads `NATO` as a word.

@@ -42,7 +42,7 @@ from lipsync_lang.production.builds.script_files import (
 )
 from lipsync_lang.text.lines.line_readers import LineFile, is_timed, line_files
 from lipsync_lang.text.lines.markup import Cleaning
-from lipsync_lang.text.lines.timings import TIMING_SUFFIXES
+from lipsync_lang.text.lines.plain import TIMING_SUFFIXES
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.pack import Pack

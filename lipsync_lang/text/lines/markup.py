@@ -105,7 +105,7 @@ FORMS = {
         "@1": rf"@\d(?![\d:{LATIN_CHARS}]|[.,]\d)",
         "@name @player.name": rf"(?<![{LATIN_CHARS}.])@{NAME}(?:\.{NAME})*",
         "$[name] $(name) $t(a.b) $sum()": r"\$[\[(]\w+[\])]|\$(?:t|\w+(?=\(\)))\([^()]*\)",
-        r"$name \$name $имя $a.b $a->b": rf"(?<![a-z]\$)\\?\$(?:{NAME}|[\u0370-\u052f]\w*)"
+        r"$name \$name $имя $a.b $a->b": rf"(?<![A-Za-z]\$)\\?\$(?:{NAME}|[\u0370-\u052f]\w*)"
         r"(?:(?:->|\.)[a-z_][A-Za-z0-9_]*)*",
         r"\N[1] \V[\V[2]]": r"\\[NPV]+\[(?:[^\[\]]|\[[^\[\]]*\])*\]",
         "{rt}かん{/rt}": r"\{rt\}(?:(?!\{rt\}).)*?\{/rt\}",
@@ -134,7 +134,7 @@ FORMS = {
     },
     "aside": {
         "(laughs)": r"\((?P<round>[^()\[\]{}<>]{1,80})\)",
-        "（笑）": r"（(?P<doublewidth>[^（）]{1,80})）",
+        "（笑） 【笑】": r"[（【〔［](?P<doublewidth>[^（）【】〔〕［］]{1,80})[）】〕］]",
         "*sighs*": r"(?<![*\\\w])\*{1,2}(?P<star>[^*\n]{1,80})\*{1,2}(?![*\w])",
     },
     "sign": {
@@ -144,7 +144,7 @@ FORMS = {
         "#tag": r"(?<![\w&#@$%*])#(?=\w*[^\W\d_])\w+",
         "}/{ %d/%d": r"(?:(?<=[}\]])|(?<=[%$][sdiu]))/(?=[%${\[\d])",
         "♪ 👍🏽": rf"{SYMBOL}(?:\u200d?{SYMBOL})*",
-        "SPY×FAMILY 你×的": r"(?<=[^\W\d_])×+(?=[^\W\d_])",
+        "SPY×FAMILY": r"(?<=[^\W\d_㐀-鿿])×+(?=[^\W\d_])",
         "<3 --> <= >> <<": r"<3+(?!\d)|(?<![-=])[-=]+>|<[-=]+|>{2,}|<{2,}",
     },
     "wave": {"~": r"(?<=[^\w\s%℃(])[~〜～]+|[~〜～]+(?!\d)"},
@@ -171,7 +171,7 @@ EMOTICONS = (
     r"(?![^\s.,!?]|\.\w)"
 )
 SUSPECT = re.compile(
-    rf"[][<>{{}}%$§£\\(（*~〜～#&@×/={SYMBOL[1:-1]}]|[:;](?:-?[DPpOo3]|(?<=:)[A-Za-z_])"
+    rf"[][<>{{}}%$§£\\(（【〔［*~〜～#&@×/={SYMBOL[1:-1]}]|[:;](?:-?[DPpOo3]|(?<=:)[A-Za-z_])"
     r"|[-+](?<![\s\S][-+])|www\.|[xX]D|[Tt]\.[Tt]|o\.o"
 )
 """A trace of markup; text without one is spoken as it is.
@@ -267,7 +267,8 @@ def is_aside(
     longest = MAX_CHARS if _has_case(said) else MAX_UNCASED_CHARS
     if listed and len(said) <= longest and _pattern(tuple(listed)).search(plain(said)):
         return True
-    if not (begins and ends and 0 < len(said.split()) <= MAX_ASIDE_WORDS and _has_case(said)):
+    known_by_form = begins and ends and _has_case(said) and not re.search(r"\d", said)
+    if not (known_by_form and 0 < len(said.split()) <= MAX_ASIDE_WORDS):
         return False
     if starred:
         apart = (not last or last in SENTENCE_ENDS) and (not first or first.isupper())

@@ -1,4 +1,4 @@
-"""Plain text, of which each row is a line; cues of subtitles; Java's properties."""
+"""Plain text, of which each row is a line; cues of subtitles; Java's properties; timings."""
 
 import re
 from collections.abc import Iterator
@@ -6,7 +6,15 @@ from html import unescape
 from itertools import chain
 
 from lipsync_lang.schedules.readers.subtitles import cues, joined, speaker_of
-from lipsync_lang.text.lines.line_readers import Line, LineFile, reader
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timing_file import TimingFile, timing_bytes
+from lipsync_lang.schedules.timing_readers import TIMING_READERS, timings_of
+from lipsync_lang.text.lines.line_readers import SCHEDULE_FORMAT, Line, LineFile, reader
+
+TIMING_SUFFIXES = tuple(
+    sorted({s for one in TIMING_READERS.values() if not one.script for s in one.suffixes})
+)
+"""Suffixes of timings that are not read as scripts."""
 
 PROPERTY = re.compile(r"\s*((?:\\.|[^\s:=\\])+)\s*[:=\s]\s*(.*)", re.DOTALL)
 PROPERTY_ESCAPE = re.compile(r"\\(?:u([0-9A-Fa-f]{4})|([:=#! \\]))")
@@ -56,3 +64,15 @@ def read_properties(source: LineFile) -> Iterator[Line]:
 def unescaped(found: re.Match[str]) -> str:
     """Return the character that an escape stands for."""
     return chr(int(found[1], 16)) if found[1] else found[2]
+
+
+@reader(SCHEDULE_FORMAT, suffixes=TIMING_SUFFIXES)
+def read_timings(source: LineFile) -> Iterator[Line]:
+    """Timings of phonemes or words, in every format that is read: a file is one line."""
+    content = timing_bytes(source.path) if source.content is None else source.content
+    found = timings_of(TimingFile(source.path, content, encoding=source.encoding))
+    for remark in found.remarks:
+        source.remark(remark)
+    schedule = found if isinstance(found, Schedule) else None
+    text = " ".join(word.text for word in found.words)
+    yield Line(text, f"{source.path}:1", source.path.stem, schedule=schedule)

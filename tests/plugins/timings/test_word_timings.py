@@ -8,7 +8,7 @@ import lipsync_lang as ll
 from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.schedules.timing_readers import TIMING_READERS
 from lipsync_lang.text.lines.line_readers import read_lines
-from lipsync_lang.text.lines.timings import TIMING_SUFFIXES
+from lipsync_lang.text.lines.plain import TIMING_SUFFIXES
 
 
 @pytest.fixture

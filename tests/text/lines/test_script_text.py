@@ -59,7 +59,7 @@ def dirty_lines():
         ("Yes.<break/> No", "Yes. No", ("<break/>",)),
         ("What the #@$%! is that?", "What the, is that?", ("#@$%!",)),
         ("$#@%!", "", ("$#@%!",)),
-        ("SPY×FAMILY 去你×的 3×4", "SPY FAMILY 去你 的 3×4", ("×", "×")),
+        ("SPY×FAMILY 去你×的 3×4", "SPY FAMILY 去你×的 3×4", ("×",)),
         ("Take the \\left path\\ and\\or C:\\Games \\", "Take the left path and or C: Games", ()),
         ("Hello\\lthere\\nfriend", "Hello there friend", ()),
         ("Wait.[p]Go! Stop.I said.Now", "Wait. Go! Stop. I said. Now", ("[p]",)),
@@ -112,6 +112,8 @@ def test_markup_of_scripts_is_not_spoken(written, said, dropped):
         ("*whole line*", "*whole line*"),
         ("my friend (my brother) left", "my friend (my brother) left"),
         ("(I wonder.)", "(I wonder.)"),
+        ("+50 HP. (max. 3x)", "+50 HP. (max. 3x)"),  # a number is said
+        ("(laughs 2 times) Yes.", "Yes."),
     ],
 )
 def test_asides_are_not_spoken_and_emphasis_is(written, said):
@@ -122,6 +124,16 @@ def test_asides_without_capitals_are_told_by_their_words():
     assert is_aside("笑", "", "いいよ", ["笑"])
     assert not is_aside("私の弟が笑って話していたのですよね", "", "", ["笑"])
     assert not is_aside("弟", "", "", ["笑"])
+
+
+@pytest.mark.parametrize("marks", ["（）", "【】", "〔〕", "［］"])
+def test_brackets_of_east_asia_hold_asides_and_words(marks):
+    cleaning = Cleaning(asides=("回想",))
+    assert spoken(f"{marks[0]}回想{marks[1]}昨日だ。", cleaning).text == "昨日だ。"
+    assert (
+        spoken(f"{marks[0]}重要{marks[1]}読め。", cleaning).text
+        == f"{marks[0]}重要{marks[1]}読め。"
+    )
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 import csv
 from collections import defaultdict
+from dataclasses import replace
 from pathlib import Path
 from re import fullmatch
 
@@ -11,7 +12,9 @@ from shipped import LIBRARY
 
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.text.phonology.g2p.abbreviation_keys import Expansions
 from lipsync_lang.text.phonology.g2p.censored import uncensored
+from lipsync_lang.text.phonology.g2p.utterances import Utterances, part_text
 
 with (Path(__file__).parent / "running_lines.tsv").open(encoding="utf-8", newline="") as file:
     ROWS = list(csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE))
@@ -19,6 +22,9 @@ LINES = defaultdict(list)
 for row in ROWS:
     LINES[row["language"]].append((row["written"], row["said"]))
 assert len(ROWS) > 100
+INFLECTING = sorted(
+    {one.name for one in LIBRARY.names("language") if b"\n  rank_cases:" in one.path.read_bytes()}
+)
 CURSING = sorted(
     {one.name for one in LIBRARY.names("language") if b"\n  curses:" in one.path.read_bytes()}
 )
@@ -85,6 +91,34 @@ def test_every_curse_of_a_pack_is_read_behind_a_sign(name):
             ((_, _, read),) = uncensored(written, forms)
             # an earlier curse of the list may fit as well, but the letters in sight stay
             assert fullmatch(written.replace("*", "[^*]"), read)
+
+
+def test_a_row_of_asterisks_is_about_as_long_as_the_curse():
+    forms = replace(Speaker.of("english").manner.forms, curses=("blimming", "blast"))
+    read = {"b***g": "blimming", "bl***ming": "blimming", "bl**t": "blast", "b***": "blast"}
+    for written, said in read.items():
+        assert [*uncensored(written, forms)] == [(0, len(written), said)]
+    ((_, _, far),) = uncensored("b***********", forms)
+    assert far not in forms.curses
+
+
+@pytest.mark.parametrize("name", INFLECTING)
+def test_ranks_keep_their_words_in_each_case(name):
+    text = LIBRARY.language(name).model.text
+    key, rank = next((k, w) for k, w in text.ranks.items() if k.endswith(".") and " " not in w)
+    for case, one in text.rank_cases.items():
+        changed = [w for w in " ".join(text.ranks.values()).split() if w.endswith((*one.endings,))]
+        assert changed, f"{case} changes no rank"
+    # a name that shows nothing, where a text begins
+    forms = Speaker.of(name).manner.forms
+    assert [found.read for found in Expansions(forms).find(f"{key} Xxx")] == [rank]
+
+
+@pytest.mark.parametrize("language", ["english", "russian", "greek", "german"])
+def test_a_replacement_leaves_the_words_beside_it_in_capitals(language):
+    reader = Utterances(Speaker.of(language).manner.forms, {}, str.islower)
+    for text in ("5 KM TO", "TO 5:30 TO"):
+        assert "".join(map(part_text, reader.cut(text))).isupper()
 
 
 @pytest.mark.parametrize(

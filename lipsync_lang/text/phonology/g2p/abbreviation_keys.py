@@ -15,7 +15,7 @@ from functools import cache, cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
-from lipsync_lang.text.phonology.g2p.contexts import SEEN_LETTERS, compile_context
+from lipsync_lang.text.phonology.g2p.contexts import SEEN_LETTERS, Surroundings, compile_context
 from lipsync_lang.text.phonology.g2p.number_words import DIGITS, number_words
 from lipsync_lang.text.phonology.g2p.spoken_forms import SpokenForms
 from lipsync_lang.text.phonology.g2p.tokens import counts
@@ -45,7 +45,7 @@ _SIGNS = str.maketrans("#\u2212٪٫٬״׳", "№-%.,\"'")
 """Signs of a text, and those of the keys that serve them."""
 
 _UNSPACED_RANGES = "".join(f"{low}-{high}" for low, high in _UNSPACED_SCRIPTS)
-_SIGNED_DIGIT = rf"(?<![^\s(\[{{=<>~|«“„\"'、。（「{_UNSPACED_RANGES}])-(?=\d)"
+_SIGNED_DIGIT = rf"(?<![^\s(\[{{=<>~|«“„\"'、。，：；！？（「{_UNSPACED_RANGES}])-(?=\d)"
 """A minus; a hyphen behind a word, as in `F-16`, is none."""
 
 _WAVE = re.compile(r"(?<=[\w%℃])[~～](?=\d)")
@@ -119,6 +119,13 @@ class AbbreviationKeys:
         ranks = (rf"{re.escape(key)}(?!\w)" for key, to in forms.abbreviations.items() if "|" in to)
         particles = sorted((*map(re.escape, forms.particles), *ranks), key=len, reverse=True)
         self._particle = re.compile(f"(?:(?:{'|'.join(particles)}) ?){{,2}}")
+        prefixes = "|".join(map(re.escape, forms.beginnings))
+        # `ל` before an abbreviation of Hebrew, which has a sign of its own
+        self._prefix = re.compile(rf"(?<!\w)(?:{prefixes})$") if prefixes else None
+        self._cases = [
+            (Surroundings.compiled(before, after, "rank_cases"), endings)
+            for before, after, endings in forms.rank_cases
+        ]
         between = re.escape(forms.thousands) + _SPACES
         self._grouped = re.compile(
             rf"(?<!\d[{_SPACES}])(?:(?!0)\d{{1,3}}(?:[{between}]\d{{3}})+|\d\d?(?:,\d\d)+,\d{{3}})"
@@ -126,7 +133,8 @@ class AbbreviationKeys:
         )
         self._beginnings: dict[tuple[str, str], dict[tuple[str, str], list[tuple[int, str]]]] = {}
         self._ends = {k.strip("…"): read for k, read in self._expansions.items() if k[0] == "…"}
-        for rank, key in enumerate(sorted(self._expansions, key=_longest_first)):
+        longest_first = sorted(self._expansions, key=lambda key: (-len(key), key.count("#"), key))
+        for rank, key in enumerate(longest_first):
             literal = "" if key[0] in _FIRST_CHARS else re.split("[# ~*]", key[1:])[0]
             # most words like "in" have nothing of `in 19##` behind them
             follows = key[1 + len(literal) :].lstrip()[:1] if key[0] not in _FIRST_CHARS else ""
@@ -174,17 +182,19 @@ class AbbreviationKeys:
                 yield Replacement(*start.span(), self._ends[start[0]])
                 continue
             pairs = {(one[at - 1], two) for one in (text, *calm) for two in (one[at : at + 1], "")}
-            within = is_spaced(text[max(at - 2, 0) : at - 1])
-            if start[0].isalpha() and (within or self._beginnings.keys().isdisjoint(pairs)):
+            within = start[0].isalpha() and is_spaced(text[max(at - 2, 0) : at - 1])
+            prefixed = self._prefix and self._prefix.search(text, max(at - 8, 0), at - 1)
+            unknown = start[0].isalpha() and self._beginnings.keys().isdisjoint(pairs)
+            if unknown or (within and not prefixed):
                 continue
             ways = (*calm, text, plain) if start[0].isdecimal() else (text, plain, *calm)
             found, read = max(
                 (self._match(one, start.start()) for one in dict.fromkeys(ways)),
                 key=lambda match: match[0].end() if match[0] else -1,
             )
-            if found:
+            if found and not (within and {*found[0]}.isdisjoint("\"'")):
                 at, words = self._read(found, read)
-                yield Replacement(found.start(), at, words)
+                yield Replacement(found.start(), at, words.lstrip() if within else words)
             elif grouped := self._grouped.match(text, start.start()):
                 at = grouped.end()
                 yield Replacement(*grouped.span(), _digits(grouped))
@@ -250,10 +260,22 @@ class AbbreviationKeys:
             glued = key[-1] == "." and _UNSPACED_LETTER.match(after)
             titled, choosy, alone = self._expansions[key].partition("|")
             particle = self._particle if choosy else None
-            words = titled if _fits(found, titled, particle) else alone
+            fits = _fits(found, titled, particle)
+            words = self._in_case(titled, found) if fits and choosy else titled if fits else alone
             if words and (glued or not (in_word and is_spaced(after[:1]))):
                 best, read = found, words
         return best, read
+
+    def _in_case(self, rank: str, found: re.Match[str]) -> str:
+        """Return a rank in the first case that the text around it shows."""
+        name = found.end() + (_seen_after(found)[:1] in {*_SPACES})
+        for around, endings in self._cases:
+            if around.fit(found.string, found.start(), name):
+                return " ".join(
+                    next((w[:at] + endings[w[at:]] for at in range(len(w)) if w[at:] in endings), w)
+                    for w in rank.split(" ")
+                )
+        return rank
 
     def _expanded(self, found: re.Match[str], read: str) -> str:
         """Return the expansion of a key with its numbers, and spaces before and after words."""
@@ -290,7 +312,9 @@ class AbbreviationKeys:
         if read.endswith(".") and after and not after[:1].isupper():
             read = read[:-1]
         before = found.string[max(found.start() - 1, 0) : found.start()]
-        left = " " if any(map(counts, before)) and read[:1].isalnum() else ""
+        # the sign of `20 €/h` has become words
+        beside = any(map(counts, before)) or found[0][0] == "/"
+        left = " " if beside and read[:1].isalnum() else ""
         right = " " if is_spaced(rest[:1]) and counts(read[-1:] or " ") else ""
         return left + read + right
 
@@ -303,10 +327,6 @@ def _calmed(text: str, case: Callable[[str], str]) -> str:
 def _digits(grouped: re.Match[str]) -> str:
     """Return a number without signs between its thousands."""
     return re.sub(r"\D", "", grouped[0])
-
-
-def _longest_first(key: str) -> tuple[int, int, str]:
-    return -len(key), key.count("#"), key
 
 
 def is_spaced(char: str) -> bool:

@@ -5,16 +5,17 @@ from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from unicodedata import name
 
-from lipsync_lang.text.phonology.g2p.abbreviation_keys import Replacement
+from lipsync_lang.text.phonology.g2p.abbreviation_keys import Replacement, is_spaced
 from lipsync_lang.text.phonology.g2p.drawn_out import folded
 from lipsync_lang.text.phonology.g2p.spoken_forms import SpokenForms
 
 _CURSE_SIGN, _SMALL = "[#@$%&*∗]", r"(?=[^\W\d_A-Z])"
 _HIDING = (
-    rf"[*∗]+(?=[^\W\d_])|[#@$!]{_SMALL}|[!?]*{_CURSE_SIGN}(?:[!?]*{_CURSE_SIGN}|[!?]+{_SMALL})+"
+    rf"[*∗]+(?=[^\W\d_])|[#@$!](?:{_SMALL}|(?<=[A-Z].)(?=[A-Z]))|(?<=[㐀-鿿])×+(?! ?\d)"
+    rf"|[!?]*{_CURSE_SIGN}(?:[!?]*{_CURSE_SIGN}|[!?]+{_SMALL})+"
 )
 _MASKED = re.compile(rf"(?<![\w*])[^\W\d_]+(?:(?:{_HIDING})[^\W\d_]*)+(?![\w*∗])")
-_POSSIBLE = re.compile(rf"{_CURSE_SIGN}|\w!\w")
+_POSSIBLE = re.compile(rf"{_CURSE_SIGN}|\w!\w|×")
 
 
 def uncensored(text: str, forms: SpokenForms) -> Iterator[Replacement]:
@@ -26,6 +27,10 @@ def uncensored(text: str, forms: SpokenForms) -> Iterator[Replacement]:
     for found in _MASKED.finditer(text) if _POSSIBLE.search(text) else ():
         if cursed := _cursed(found[0], forms.curses):
             yield Replacement(*found.span(), cursed)
+            continue
+        if "×" in found[0]:
+            yield Replacement(*found.span(), found[0].replace("×", " "))
+        if re.search("×|(?<=[A-Z])[#@$!](?=[A-Z])", found[0]):
             continue
         words, signs = re.split(r"\W+", found[0]), re.findall(r"\W+", found[0])
         script = name(found[0][0], "").split(" ")[0]
@@ -47,15 +52,29 @@ def uncensored(text: str, forms: SpokenForms) -> Iterator[Replacement]:
 
 
 def _cursed(masked: str, curses: Iterable[str]) -> str:
-    """Return a word with the letters of a curse in place of its signs; empty if none fits."""
+    """Return a word with the letters of a curse in place of its signs; empty if none fits.
+
+    A sign is a letter. A row of asterisks may be a letter more or less of a whole word, and within
+    the word any number of them if nothing else fits.
+    """
+    row = re.sub(r"(?<=\w)[*∗]{2,}(?=\w)|[*∗]{3,}$", r"\\w{2,}", masked)
+    loose = re.sub(r"[^\w{},\\]", r"\\w", row)
+    fitting = [one for one in curses if re.fullmatch(loose, one, re.IGNORECASE)]
+    whole = min(fitting, key=lambda one: abs(len(one) - len(masked)), default="")
+    if abs(len(whole) - len(masked)) > 1:
+        whole = _in_word(masked, curses) or (whole if masked[-1].isalpha() else "")
+    return whole.upper() if masked.isupper() else whole
+
+
+def _in_word(masked: str, curses: Iterable[str]) -> str:
+    """Return a word that holds a curse as its part."""
     for curse in curses:
         first, *others = map(re.escape, curse)
         signs = "".join(rf"[{letter}\W]" for letter in others)
         fit = re.fullmatch(rf"(\w{{,30}}?)({first}{signs})(\w{{,30}})", masked, re.IGNORECASE)
         # one letter in sight is too little within a word: `murd***r`
-        if fit and (not fit[1] or len(re.findall(r"\w", fit[2])) > 1):
-            said = f"{masked[: fit.end(1)]}{curse}{masked[fit.end(2) :]}"
-            return said.upper() if masked.isupper() else said
+        if fit and (not is_spaced(fit[1][-1:]) or len(re.findall(r"\w", fit[2])) > 1):
+            return f"{masked[: fit.end(1)]}{curse}{masked[fit.end(2) :]}"
     return ""
 
 

@@ -31,6 +31,7 @@ class SpokenForms:
     words: Mapping[str, OwnWord] = field(default_factory=dict)
     beginnings: Mapping[str, str] = field(default_factory=dict)
     endings: Mapping[str, Mapping[str, Sequence[str]]] = field(default_factory=dict)
+    rank_cases: tuple[tuple[str, str, Mapping[str, str]], ...] = ()
     letters: Mapping[str, str] = field(default_factory=dict)
     repeated: Mapping[str, str] = field(default_factory=dict)
     numbers: NumberTables = field(default_factory=dict)

@@ -135,6 +135,7 @@ class Utterances:
         replaced = _apart(own.respelled, expanded)
         if self._rare is not None:
             replaced = _apart(replaced, list(self._rare.found_in(text)))
+        replaced = _as_loud(text, replaced) if text.isupper() else replaced
         parts: list[UtterancePart] = []
         at, open_part = 0, UtterancePart("")
         for start, stop, part in self._cuts(text, tokens, replaced, said):
@@ -180,7 +181,9 @@ class Utterances:
             if self._words and plain(token.text) in self._words:
                 continue
             found = self._cut_at(tokens, number, shouted=shouted)
-            if found is not None:
+            # the `III` of 路易XVIII and `a III-a` is no sound drawn out
+            numeral = found and found.part.drawn and not within.isdisjoint(range(*found[:2]))
+            if found is not None and not numeral:
                 yield found
                 done = found.stop
 
@@ -322,6 +325,17 @@ def _apart(own: list[Replacement], others: list[Replacement]) -> list[Replacemen
             kept -= touched
             kept.add(one)
     return sorted(kept)
+
+
+def _as_loud(text: str, replaced: list[Replacement]) -> list[Replacement]:
+    """Return the replacements in capitals if they stand beside other words in capitals.
+
+    An engine would spell `ΤΟ` between small letters.
+    """
+    if not respelled(text, [one._replace(read="") for one in replaced]).isupper():
+        return replaced
+    dotted = "İ" if "İ" in text else "i"  # as Turkish has it
+    return [one._replace(read=one.read.replace("i", dotted).upper()) for one in replaced]
 
 
 def _beside_said(
