@@ -22,7 +22,7 @@ from lipsync_lang.authoring.new_pack import (
 )
 from lipsync_lang.base.errors import LipsyncError, ModelError, PackError, did_you_mean
 from lipsync_lang.faces.rigs.model import Model, read_model, some
-from lipsync_lang.faces.rigs.read_outs import apertures
+from lipsync_lang.faces.rigs.read_outs import measured
 from lipsync_lang.faces.rigs.recognise import Match, recognise
 from lipsync_lang.faces.rigs.shape_matching import folded
 from lipsync_lang.packs.finding import FOLDERS, POSESET
@@ -157,10 +157,11 @@ def draft(library: Library, wanted: CharacterWish, folder: Path = Path()) -> Cha
 
 def _fitted(model: Model, match: Match, poseset: PoseSet) -> dict[str, float]:
     """Return the level of each region at which the model's mouth opens as far as the pose set's."""
-    gaps, found = apertures(model), {}
+    moved, found = measured(model), {}
     for name, pose in poseset.poses.items():
         # All shapes of a pose open the mouth together.
-        own = sum(gaps.get(shape, 0.0) for shape in match.found.places.get(name, ()))
+        shapes = match.found.places.get(name, ())
+        own = sum(moved[shape].aperture for shape in shapes if shape in moved)
         if pose.aperture and pose.region and own > 0:
             level = round(min(max(pose.aperture / own, LEAST_SCALE), MOST_SCALE), 2)
             if abs(level - 1) > UNSEEN_SCALE:

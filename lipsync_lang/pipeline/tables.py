@@ -139,13 +139,6 @@ class Tables:
         """Values that `prepare` derived from these tables, by motion and frame rate."""
         return {}
 
-    def with_curves(self, curves: Singles) -> Self:
-        """Return tables with other neutral curves; values derived from all else are kept."""
-        made = replace(self, curves=curves)
-        kept = ("prepared", "caps", "binding", "held", "floors", "blockers")
-        vars(made).update({name: getattr(self, name) for name in kept})
-        return made
-
     @property
     def arrays(self) -> dict[str, np.ndarray[Any, Any]]:
         """Every array by name; those of contacts and styles are numbered, as `style.0.free`."""

@@ -237,7 +237,7 @@ def lone_contacts(draw):
     made = draw(tables(loose=True))
     some = np.any([contact.phonemes for contact in made.contacts], axis=0)
     assume(made.contacts and some.any() and not some.all())
-    made = made.with_curves(np.maximum(made.curves, draw(st.sampled_from([0, 0.8, 1]))))
+    made = replace(made, curves=np.maximum(made.curves, draw(st.sampled_from([0, 0.8, 1]))))
     made.curves[0] = 0
     short, beside = (draw(st.sampled_from(np.flatnonzero(which))) for which in (some, ~some))
     lengths = [0.2, draw(st.floats(0.005, 0.1)), 0.2]

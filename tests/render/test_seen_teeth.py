@@ -1,5 +1,7 @@
 """Teeth as a viewer sees them, on drawn mouths: none alone in "oo", none in m, on the lip in f.
 
+A round mouth is no shut one: it leaves a hole.
+
 Words are spoken by the German pack, which has all rounded vowels. A sample of a picture shows the
 material of the nearest triangle, so light and colours do not matter.
 """
@@ -61,6 +63,8 @@ def faults(head):
         inside, lips = sum(count[part] for part in INSIDE), count["lips"]
         if sound in {"uː", "u", "yː", "ʏ"} and count["teeth"] > 0.1 * inside:
             found.append((word, sound, "teeth in a round mouth"))
+        if sound in {"uː", "u", "yː", "ʏ"} and inside < 0.01 * lips:
+            found.append((word, sound, "a shut round mouth"))
         if sound == "m" and inside > 0.002 * lips:
             found.append((word, sound, "lips apart"))
         if sound in {"f", "v"} and not count["teeth"] >= 0.95 * inside > 0.01 * lips:

@@ -69,6 +69,18 @@ def test_a_solved_target_keeps_bounds_pairs_contacts_and_ceilings(name, data):
             assert step.overall == declared.overall
 
 
+@pytest.mark.parametrize("name", SOLVED)
+def test_no_threshold_lowers_a_shape_of_the_lips_beside_one_at_rest(name):
+    poseset = LIBRARY.poseset(name).model
+    solver = _FaceToSolve.of(poseset, np.ones((4, len(poseset.poses))))
+    most = dict(zip(poseset.poses, solver.most, strict=True))
+    pairs = [pair for pair in poseset.constraints.pairs if isinstance(pair, models.Threshold)]
+    assert pairs
+    for pair in pairs:
+        if "jawOpen" not in pair.between:
+            assert max(most[pose] for pose in pair.between) <= pair.threshold, pair
+
+
 @pytest.mark.parametrize("jaw", [0.3, 0.5, 0.8])
 def test_vowels_open_as_far_on_every_head(tmp_path, monkeypatch, jaw):
     monkeypatch.setitem(face_models.OPENINGS, "jawOpen", jaw)

@@ -43,13 +43,16 @@ CHIN_BOX = (0.0, -0.7, 0.0), (0.15, 0.25, 0.5)
 TONGUE_BOX = (0.0, 0.0, -0.66), (0.3, 0.4, 0.54)
 """The same of the tongue, which lies behind the lips."""
 
+LIP_BOX = 0.02, 0.15, 0.135
+"""Half the size of the part of a lip behind its front; the teeth lie deeper."""
+
 
 @dataclass(frozen=True)
 class ShapeReadOut:
     """Movement of the mouth by one shape at full weight, in widths of the mouth."""
 
     aperture: float
-    """Gap between the lips in the middle, less that at rest."""
+    """Gap between the inner edges of the lips in the middle, less that at rest."""
     width: float
     """Distance between the corners, less that at rest."""
     protrusion: float
@@ -72,19 +75,20 @@ class ShapeReadOut:
 class MouthPoints:
     """Point numbers of a mouth: pairs of lip points from the right corner to the left, and others.
 
-    `width` is the distance between the corners at rest, in units of the model.
+    They are the fronts of the lips; the middle pair touches at rest, as lips that purse part their
+    fronts. `width` is the distance between the corners at rest, in units of the model.
     """
 
-    upper: Ints
-    lower: Ints
+    lips: Ints
+    """(2, n) of the upper lip and the lower one."""
     chin: Ints
     tongue: Ints
     width: float
 
     def measure(self, moved: Floats) -> ShapeReadOut:
         """Measure a shape by its (V, 3) offsets at full weight."""
-        middle = len(self.upper) // 2
-        above, below = moved[self.upper], moved[self.lower]
+        above, below = moved[self.lips]
+        middle = len(above) // 2
         lips = (above[middle] + below[middle]) / 2
         right, left = (above[end] + below[end] for end in (0, -1))
         chin = moved[self.chin].mean(axis=0)
@@ -155,21 +159,32 @@ def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MouthP
         share = float(np.mean(parted > PARTED_SHARE * parted.max()))
         # Lids that shut lower many points as well, but hardly any other shape parts those.
         if share > 2 * best:
-            best, (upper, lower) = share, pairs
+            best, found, wide = share, pairs, opened[:, 1]
         # The search for pairs takes most of the time, and the first shape is nearly always a jaw.
         if best >= USED_SHARE:
             break
     if not best:
         raise ModelError(f"{path}: no shape opens a mouth, so its shapes cannot be measured")
-    line = (rest[upper] + rest[lower]) / 2
-    width = float(np.ptp(line[:, 0]))
-    lips = line[len(line) // 2]
-    off = (rest - lips) / width
+    line = rest[found].mean(axis=0)
+    width, middle = float(np.ptp(line[:, 0])), len(line) // 2
+    off = (rest - line[middle]) / width
+    found[:, middle] = _touching(rest, wide, found[:, middle], width)
     chin, tongue = (
-        np.flatnonzero((np.abs(off - middle) < half).all(axis=1))
-        for middle, half in (CHIN_BOX, TONGUE_BOX)
+        np.flatnonzero((np.abs(off - center) < half).all(axis=1))
+        for center, half in (CHIN_BOX, TONGUE_BOX)
     )
-    return MouthPoints(upper, lower, chin if len(chin) else lower, tongue, width)
+    return MouthPoints(found, chin if len(chin) else found[1], tongue, width)
+
+
+def _touching(rest: Floats, opened: Floats, fronts: Ints, width: float) -> Ints:
+    """Return the points of both lips that touch at rest, behind a pair of their fronts."""
+    off = (rest - rest[fronts, None]) / width
+    behind = (np.abs(off) < LIP_BOX).all(axis=2) & (off[..., 2] <= 0)
+    upper, lower = np.abs(opened - opened[fronts, None])
+    above, below = map(np.flatnonzero, behind & [upper < lower, lower < upper])
+    away = np.linalg.norm(rest[above, None] - rest[below], axis=2)
+    first, second = np.unravel_index(away.argmin(), away.shape)
+    return np.array([above[first], below[second]])
 
 
 def _lip_pairs(rest: Floats, opened: Floats) -> Ints:
@@ -207,14 +222,12 @@ def still_by_mesh(model: Model) -> Mapping[str, frozenset[str]]:
     try:
         arrays = Accessors(model)
         for mesh in model.meshes:
-            primitives = model.document["meshes"][mesh.number]["primitives"]
-            moving = {
+            found[mesh.name] = frozenset(mesh.shapes) - {
                 name
-                for primitive in primitives
+                for primitive in model.document["meshes"][mesh.number]["primitives"]
                 for name, target in zip(mesh.shapes, primitive["targets"], strict=True)
                 if "POSITION" in target and _moves(arrays, primitive, target["POSITION"])
             }
-            found[mesh.name] = frozenset(mesh.shapes) - moving
     except (ModelError, KeyError, TypeError):
         return {}
     return found
@@ -243,8 +256,3 @@ def measured(model: Model) -> Mapping[str, ShapeReadOut]:
         return read_outs(model)
     except (ModelError, LookupError, TypeError, ValueError):
         return {}
-
-
-def apertures(model: Model) -> Mapping[str, float]:
-    """Return how far each shape parts the lips; empty where `measured` is."""
-    return {name: found.aperture for name, found in measured(model).items()}

@@ -23,7 +23,7 @@ from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.faces.rigs.driver import Driver, bare
 from lipsync_lang.faces.rigs.model import Model, some
-from lipsync_lang.faces.rigs.read_outs import apertures, measured, still_shapes
+from lipsync_lang.faces.rigs.read_outs import measured, still_shapes
 from lipsync_lang.faces.rigs.shape_matching import on_mesh
 from lipsync_lang.packs import models
 from lipsync_lang.packs.checking.rig_checks import check_rig
@@ -302,8 +302,9 @@ def _matches(library: Library, poseset: models.PoseSet, model: Model) -> Iterato
 
 def _played(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
     """Find channels; on an avatar whose expressions open its mouth, those that players move."""
-    found, gaps = find(channels, model), apertures(model)
-    if any(gaps.get(shape, 0) > 0 for mesh in model.meshes for _, shape, _ in mesh.binds):
+    found, moved = find(channels, model), measured(model)
+    bound = {shape for mesh in model.meshes for _, shape, _ in mesh.binds}
+    if any(moved[shape].aperture > 0 for shape in bound & moved.keys()):
         own = {name: shapes for name, shapes in found.places.items() if name in found.bound}
         return replace(found, places=own)
     return found
@@ -311,11 +312,11 @@ def _played(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
 
 def _opens(model: Model, found: ChannelPlaces) -> bool:
     """Test for a found shape that opens the mouth, or a bone, which is not measured."""
-    gaps, own = apertures(model), {name for names in found.places.values() for name in names}
-    widest = max(gaps.values(), default=0.0)
-    if widest <= 0 or not own <= gaps.keys():
+    moved, own = measured(model), {name for names in found.places.values() for name in names}
+    widest = max((one.aperture for one in moved.values()), default=0.0)
+    if widest <= 0 or not own <= moved.keys():
         return True
-    return max((gaps[name] for name in own), default=0.0) >= MIN_OPEN_SHARE * widest
+    return max((moved[name].aperture for name in own), default=0.0) >= MIN_OPEN_SHARE * widest
 
 
 def _left(model: Model, found: ChannelPlaces) -> tuple[str, ...]:

@@ -259,12 +259,8 @@ def _unreached(poseset: Pack[PoseSet], banks: Iterable[BankPack]) -> Iterator[Fa
                 )
                 loc = ("constraints", "pairs", index, "threshold")
                 yield poseset.warning(loc, "W313", what, "lower the threshold, or drop the pair")
-    pairs = _unlisted(poseset.model, poseset.model.poses)
-    if (
-        constraints.default < NO_THRESHOLD
-        and pairs
-        and {p for pair in pairs for p in pair} <= set(reach)
-    ):
+    pairs = _unlisted(model, model.poses) if constraints.default < NO_THRESHOLD else ()
+    if pairs and {p for pair in pairs for p in pair} <= set(reach):
         one, other = max(pairs, key=lambda pair: reach[pair[0]] + reach[pair[1]])
         if reach[one] + reach[other] <= constraints.default:
             what = f"'{one}' and '{other}' never add up to more than {reach[one] + reach[other]:g}"

@@ -166,7 +166,11 @@ class FitFace:
                 sampled = self.controls(values) @ shape(np.linspace(0, 1, curves.shape[1]))
                 curves[self.rows] = sampled.swapaxes(1, 2).clip(0, 1)
             latest |= {"values": key, "curves": curves}
-        return latest["base"].with_curves(latest["curves"])
+        made = replace(latest["base"], curves=latest["curves"])
+        # Values that are derived from all else than the curves are kept.
+        kept = ("prepared", "caps", "binding", "held", "floors", "blockers")
+        vars(made).update({name: getattr(latest["base"], name) for name in kept})
+        return made
 
     @cached_property
     def _latest(self) -> dict[str, Any]:

@@ -73,11 +73,14 @@ class FaceModel:
     def shapes(self) -> dict[str, Floats]:
         """Read the displacement of each shape."""
         gains = self.recipe["gains"]
-        return {
+        found = {
             name: gains.get(name, 1)
             * sum((self._shift(f"{one}.obj") for one in files), np.zeros(()))
             for name, files in self._sums().items()
         }
+        for name, others in self.recipe["corrected"].items():
+            found[name] = found[name] + sum(share * found[one] for one, share in others.items())
+        return found
 
     def identity(self, stated: Mapping[int, float], seed: int | None) -> Floats:
         """Add identities by number, in standard deviations; a seed draws all others."""

@@ -55,6 +55,22 @@ def test_a_model_without_a_mouth_is_refused(tmp_path):
         read_outs(model)
 
 
+def test_an_aperture_is_read_where_the_lips_touch_and_not_between_their_fronts():
+    # A head as in heads of scans: lips that purse part their fronts, and their inner edges meet.
+    across = np.linspace(-0.5, 0.5, 11)
+    rows = [(0.06, 0.0), (0.005, -0.07), (-0.005, -0.07), (-0.06, 0.0), (-0.02, -0.3), (0.02, -0.3)]
+    points = np.concatenate([
+        np.stack([across, np.full(11, y), np.full(11, z)], axis=1) for y, z in rows
+    ])  # fmt: skip
+    row = np.repeat(np.arange(len(rows)), 11)
+    jaw, pucker = np.zeros_like(points), np.zeros_like(points)
+    jaw[(row == 2) | (row == 3) | (row == 4), 1] = -0.5
+    pucker[row == 0, 1], pucker[row == 3, 1] = 0.1, -0.1
+    mouth = find_mouth(points, {"jaw": jaw, "pucker": pucker}, Path("head.glb"))
+    assert mouth.measure(jaw).aperture == pytest.approx(0.5)
+    assert mouth.measure(pucker).aperture == 0
+
+
 def head_with_lids(shapes):
     """Return points and shapes of a head with lids: `blink` lowers more points than the others."""
     across = np.concatenate([np.linspace(-0.7, -0.2, 11), np.linspace(0.2, 0.7, 11)])
@@ -71,7 +87,7 @@ def test_lids_are_no_mouth():
     rest, shapes = head_with_lids(OCULUS)
     assert min(shapes, key=lambda name: shapes[name][:, 1].sum()) == "blink"
     mouth = find_mouth(rest, shapes, Path("head.glb"))
-    assert set(mouth.upper) | set(mouth.lower) <= set(range(22))
+    assert set(mouth.lips.flat) <= set(range(22))
     assert mouth.measure(shapes["viseme_aa"]).aperture > 0.5
     assert mouth.measure(shapes["blink"]).aperture == 0.0
 
