@@ -234,8 +234,9 @@ class Formats(Extensions[F]):
         with _lock:
             if not self._joined:
                 self._joined = True
-                for entry_point in _own(self.group):
-                    _load(entry_point)
+                for entry_point in _every("lipsync_lang"):  # no other distribution is read
+                    if entry_point.group == self.group and entry_point.dist == PROGRAM:
+                        _load(entry_point)
                 found = super().built_in()
         return found
 
@@ -358,11 +359,6 @@ def faults_of_plug_in(name: str) -> list[str]:
             if entry_point.group != PACKS:
                 _load(entry_point)
     return [str(one.message) for one in told]
-
-
-def _own(group: str) -> list[EntryPoint]:
-    """List the program's own entry points of a group; other distributions are not read."""
-    return [one for one in _every("lipsync_lang") if one.group == group and one.dist == PROGRAM]
 
 
 def _every(start: str = "") -> Iterator[EntryPoint]:

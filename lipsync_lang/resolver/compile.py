@@ -138,7 +138,10 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
         regions=_regions(poseset.model),
         intensity=_plain(poseset.model.intensity.model_dump()) if poseset.model.intensity else None,
         delivery=_delivery(who.model),
-        line_deliveries={name: _line(line) for name, line in who.model.lines.items()},
+        line_deliveries={  # what a line states, except its curve edits
+            name: _delivery(one) | _plain(one.model_dump(exclude={"edits"}, exclude_defaults=True))
+            for name, one in who.model.lines.items()
+        },
         motion=motion,
         gestures=_gestures(poseset, model.gesture_words),
         mirrored=_mirrored(poseset.model),
@@ -413,11 +416,6 @@ def _gestures(poseset: Pack[models.PoseSet], words: models.GestureWords) -> dict
     ]
     stated = {trigger: [*map(str.casefold, own)] for trigger, own in words}
     return _plain({"poses": poses, "gestures": gestures, "words": stated, "front": model.front})
-
-
-def _line(line: models.LineEdits) -> dict[str, Any]:
-    """Return what a line states, except its curve edits, as plain data."""
-    return _delivery(line) | _plain(line.model_dump(exclude={"edits"}, exclude_defaults=True))
 
 
 ENOUGH = 0.9

@@ -11,7 +11,6 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from io import BytesIO
-from itertools import chain
 from pathlib import Path
 from stat import S_ISDIR
 from typing import Any, BinaryIO, NamedTuple
@@ -259,8 +258,11 @@ class LineMaker:
             )
             shown = replace(pair.performer.rigged(animation), export=export)
             self._write(line, shown, files)
-            asked = (WRITERS[name].remarks(shown) for name, _ in line.outputs)
-            remarks = tuple(chain(_absent(line, schedule), chain.from_iterable(asked)))
+            remarks = [one for name, _ in line.outputs for one in WRITERS[name].remarks(shown)]
+            if schedule.left_out:
+                words = shortlist([f"'{word}'" for word in schedule.left_out], MAX_FINDINGS)
+                lacking = f"{line.place}: the recording lacks words of the text: {words}"
+                remarks.insert(0, lacking)
         except Exception as error:  # noqa: BLE001 the other lines of the batch are made
             for file in files:
                 Path(file.temporary).unlink(missing_ok=True)
@@ -274,7 +276,7 @@ class LineMaker:
             figures,
             schedule.left_out,
         )
-        return MadeLine(built, tuple(files), contents, needs, remarks)
+        return MadeLine(built, tuple(files), contents, needs, tuple(remarks))
 
     def _failed(self, line: PlannedLine, error: Exception) -> MadeLine:
         """Return a line with the reason why it failed, and its place."""
@@ -316,13 +318,6 @@ class LineMaker:
             archived = split_archive(path) is not None
             changed = crc if archived else os.stat(temporary).st_mtime_ns  # noqa: PTH116 once a file
             files[-1] = MadeFile(path, temporary, size, changed, output_digest(crc, size))
-
-
-def _absent(line: PlannedLine, schedule: Schedule) -> Iterator[str]:
-    """Yield a remark on the words of a line that its recording lacks."""
-    if schedule.left_out:
-        words = shortlist([f"'{word}'" for word in schedule.left_out], MAX_FINDINGS)
-        yield f"{line.place}: the recording lacks words of the text: {words}"
 
 
 def parent_of(folder: Path, path: str) -> Path:

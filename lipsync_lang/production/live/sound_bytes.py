@@ -168,7 +168,10 @@ def sounds(read: Callable[[int], bytes], stated: SampleForm, tell: Remark) -> It
             tell(f"the sound goes on after the {lasted:.2f} s that its WAV header states")
             left = None
         else:
-            _refuse_compressed(stream.peek(SNIFFED_BYTES))
+            head = stream.peek(SNIFFED_BYTES)
+            if compressed := [name for at, mark, name in COMPRESSED if head[at:].startswith(mark)]:
+                what = f"the sound is {compressed[0]}, neither samples nor WAV; {CONVERTED}"
+                raise LipsyncError(what)
             _doubt(stream.peek(DOUBTED_BYTES), form, tell)
         for raw in _whole_samples(stream, form, left, tell):
             heard += len(raw)
@@ -252,12 +255,6 @@ def _skip(stream: ByteStream, size: int) -> None:
     left = size + size % 2
     while left > 0 and (raw := stream.some(min(left, 1 << 16))):
         left -= len(raw)
-
-
-def _refuse_compressed(head: bytes) -> None:
-    for at, mark, name in COMPRESSED:
-        if head[at:].startswith(mark):
-            raise LipsyncError(f"the sound is {name}, neither samples nor WAV; {CONVERTED}")
 
 
 def _doubt(raw: bytes, form: SampleForm, tell: Remark) -> None:
