@@ -1,9 +1,11 @@
 """Video of a speaking model with sound; ffmpeg encodes the frames drawn here."""
 
 import math
+import os
 import subprocess
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
@@ -19,7 +21,7 @@ from lipsync_lang.base.errors import OutputError
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.terminal import progress, wipe
 from lipsync_lang.render.model.camera import framed
-from lipsync_lang.render.model.picture import Artist
+from lipsync_lang.render.model.picture import Artist, Pixels
 from lipsync_lang.render.model.scene import pillow
 from lipsync_lang.render.staging import staged, sweep
 from lipsync_lang.sound.speech.decoding import find_ffmpeg
@@ -49,6 +51,10 @@ REPRODUCIBLE_FLAGS = ("-fflags", "+bitexact", "-flags:v", "+bitexact", "-flags:a
 
 PROGRESS_SECONDS = 2.0
 """Seconds before a terminal shows progress."""
+
+MOST_AT_ONCE, AHEAD = 8, 4
+"""Maximum number of frames that are drawn at once, which takes up to 70 MB each, and the number of
+frames that are kept for each of them."""
 
 
 def film(  # noqa: PLR0913 the animation, and settings of the film
@@ -82,8 +88,7 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
     with TemporaryDirectory(prefix="lipsync-lang-") as folder:
         path, sound = Path(folder) / f"film.{kind}", Path(folder) / "sound.wav"
         rate = Fraction(animation.fps).limit_denominator(1001)
-        inputs = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{size}x{size}", "-r", f"{rate}"]
-        inputs += ["-i", "-"]
+        inputs = f"-f rawvideo -pix_fmt rgb24 -s {size}x{size} -r {rate} -i -".split()
         if audio is not None:
             # Silence before the sound, and after it up to the end of the video.
             before = round(scene.sound * audio.rate)
@@ -92,39 +97,48 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
             with sound.open("wb") as stream:
                 write_samples(np.pad(audio.samples, (before, after)), audio.rate, stream)
             inputs += ["-i", str(sound)]
-        quiet = ["-loglevel", "error", "-nostdin", "-y"]
         output = [*COLOURS, *(codec or CODECS[kind]), *REPRODUCIBLE_FLAGS, str(path)]
         times = np.arange(count) / animation.fps
-        _encode([ffmpeg, *quiet, *inputs, *output], artist, times.tolist())
+        command = [ffmpeg, "-loglevel", "error", "-nostdin", "-y", *inputs, *output]
+        _encode(command, artist, times.tolist(), Path(folder) / "log")
         with path.open("rb") as stream:
             copyfileobj(stream, out)
 
 
-def _encode(command: Sequence[str], artist: Artist, times: Sequence[float]) -> None:
+def _encode(command: Sequence[str], artist: Artist, times: Sequence[float], log: Path) -> None:
     """Draw frames and send them to ffmpeg, with progress on a terminal after a while."""
     began = time.monotonic()
-    with TemporaryDirectory(prefix="lipsync-lang-") as folder:
-        log = Path(folder) / "log"
-        # A file instead of a pipe: a full pipe of messages would stop ffmpeg while we write frames.
-        with log.open("wb") as errors:
-            process = subprocess.Popen(  # noqa: S603 no shell reads it
-                command, stdin=subprocess.PIPE, stdout=errors, stderr=errors
-            )
-        assert process.stdin is not None  # noqa: S101 asked for above
-        try:
-            with suppress(OSError), process.stdin as pipe:  # ffmpeg ended; its error is read below
-                for number, seconds in enumerate(times):
-                    if time.monotonic() - began > PROGRESS_SECONDS:
-                        progress(f"frame {number} of {len(times)} ...")
-                    pipe.write(artist.draw(seconds).tobytes())
-            failed = process.wait()
-        except BaseException:
-            process.kill()
-            process.wait()
-            raise
-        finally:
-            wipe()
-        if failed:
-            lines = log.read_text("utf-8", "replace").split("\n")
-            last = next((line for line in reversed(lines) if line.strip()), f"code {failed}")
-            raise OutputError(f"ffmpeg could not make the video: {last.strip()}")
+    # A file instead of a pipe: a full pipe of messages would stop ffmpeg while we write frames.
+    with log.open("wb") as errors:
+        process = subprocess.Popen(  # noqa: S603 no shell reads it
+            command, stdin=subprocess.PIPE, stdout=errors, stderr=errors
+        )
+    assert process.stdin is not None  # noqa: S101 asked for above
+    try:
+        with suppress(OSError), process.stdin as pipe:  # ffmpeg ended; its error is read below
+            for number, pixels in enumerate(drawn(artist.draw, times)):
+                if time.monotonic() - began > PROGRESS_SECONDS:
+                    progress(f"frame {number} of {len(times)} ...")
+                pipe.write(pixels.tobytes())
+        failed = process.wait()
+    except BaseException:
+        process.kill()
+        process.wait()
+        raise
+    finally:
+        wipe()
+    if failed:
+        lines = log.read_text("utf-8", "replace").split("\n")
+        last = next((line for line in reversed(lines) if line.strip()), f"code {failed}")
+        raise OutputError(f"ffmpeg could not make the video: {last.strip()}")
+
+
+def drawn(draw: Callable[[float], Pixels], times: Sequence[float]) -> Iterator[Pixels]:
+    """Yield the frames at some times, in their order; every processor draws.
+
+    Threads suffice: nearly all of a frame is work on arrays, in which Python lets others run.
+    """
+    most = min(os.cpu_count() or 1, MOST_AT_ONCE)
+    with ThreadPoolExecutor(most) as threads:
+        for at in range(0, len(times), AHEAD * most):
+            yield from threads.map(draw, times[at : at + AHEAD * most])

@@ -8,6 +8,7 @@ from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from threading import Event
 
 import numpy as np
 import pytest
@@ -604,6 +605,37 @@ def test_a_schedule_without_sound_makes_a_silent_video(ffmpeg, spoken, tmp_path)
     assert "Video: h264" in about
     assert "Audio" not in about
     assert len(frames_of(ffmpeg, tmp_path / "line.mp4")) == len(animation.times)
+
+
+def test_frames_come_in_order_whatever_is_drawn_first_and_few_are_drawn_ahead(monkeypatch):
+    monkeypatch.setattr(video.os, "cpu_count", lambda: 3)
+    begun, late = [], Event()
+
+    def draw(seconds):
+        begun.append(seconds)
+        if seconds == 0:
+            late.wait(60)  # the first frame ends after the second one
+        if seconds == 1:
+            late.set()
+        return np.full(1, seconds)
+
+    for number, frame in enumerate(video.drawn(draw, range(40))):
+        assert frame == number
+        assert len(begun) <= number + 3 * video.AHEAD
+    assert sorted(begun) == list(range(40))
+
+
+def test_a_frame_that_cannot_be_drawn_ends_the_film(monkeypatch):
+    monkeypatch.setattr(video.os, "cpu_count", lambda: 2)
+    begun = []
+
+    def draw(seconds):
+        begun.append(seconds)
+        return 1 / (seconds - 5)
+
+    with pytest.raises(ZeroDivisionError):
+        list(video.drawn(draw, range(40)))
+    assert len(begun) <= 2 * video.AHEAD
 
 
 @full

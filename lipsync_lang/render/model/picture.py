@@ -65,7 +65,7 @@ class Artist:
     def __init__(
         self, scene: Scene, size: int, camera: Camera | None = None, widest: Scene | None = None
     ) -> None:
-        self._scene, self._size, self._fine = scene, size, size * FINE
+        self._scene, self._fine = scene, size * FINE
         self._camera, self._normals = camera or framed(scene), Normals(scene)
         self._double = self._each(lambda material: material.double)
         self._cut = self._each(lambda material: material.cutoff > 0)
