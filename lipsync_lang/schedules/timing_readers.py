@@ -7,7 +7,6 @@ A file's content tells its format, before its suffix does: many programs write `
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from operator import attrgetter
 from pathlib import Path
 
 from lipsync_lang.base.errors import ScheduleError
@@ -144,10 +143,12 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
     if name is not None:
         return TIMING_READERS.find(name, ScheduleError)
     named = TIMING_READERS.ending(source.path)
-    # A plug-in reads what no built-in reader knows.
+    own = {one.name for one in named}
+    # A plug-in reads what no built-in reader knows; another suffix counts where its own does not.
     for readers in (TIMING_READERS.built_in(), TIMING_READERS):
-        alike = [one for _, one in sorted(readers.items()) if one.sniff(source)]
-        found = [one for one in alike if one in named] or alike
+        every = [one for _, one in sorted(readers.items())]
+        found = [one for one in every if one.name in own and one.sniff(source)]
+        found = found or [one for one in every if one.sniff(source)]
         if len(found) > 1:
             names = " or ".join(one.name for one in found)
             raise source.fault(f"may be {names}; choose one (`read_as={found[0].name!r}`)")
@@ -163,10 +164,8 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
         _ = source.xml
     if named:
         file = source.path.name.lower()
-        # `named` lacks those of plug-ins and of a project
-        every = (one for one in TIMING_READERS.values() if file.endswith(one.suffixes))
-        ordered = sorted(every, key=attrgetter("name"))
-        titles = "".join(f"\n  {one.name}: {one.title}" for one in ordered)
+        fitting = [one for one in every if file.endswith(one.suffixes)]  # those of plug-ins, too
+        titles = "".join(f"\n  {one.name}: {one.title}" for one in fitting)
         raise source.fault(f"has none of the formats that end in '{source.path.suffix}':{titles}")
     known = ", ".join(TIMING_READERS.suffixes())
     raise source.fault(f"no reader for this suffix; known: {known} (`lipsync-lang formats`)")
