@@ -150,7 +150,9 @@ def is_name(name: bytes) -> bool:
 
 
 def sound_of(source: SoundSource) -> Audio:
-    """Return a sound; read it, if it is a file."""
+    """Return a sound; read it, if it is a file. One without samples is an error."""
+    if isinstance(source, Audio) and not len(source.samples):
+        raise SpeechError("the recording has no sound; record it again")
     return source if isinstance(source, Audio) else read_audio(source)
 
 

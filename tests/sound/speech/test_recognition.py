@@ -97,6 +97,12 @@ def test_silence_is_a_pause(english, count):
     assert "no words were heard" in found.remarks[0]
 
 
+@pytest.mark.parametrize("heard_by", [ll.recognise, lambda sound, of: ll.align(sound, "maps", of)])
+def test_a_recording_without_samples_has_no_sound(heard_by):
+    with pytest.raises(ll.SpeechError, match="has no sound; record it again"):
+        heard_by(ll.Audio(np.zeros(0, np.int16), 16000), "english")
+
+
 @full
 def test_sounds_without_words_are_heard_as_phonemes(heard, english, monkeypatch):
     monkeypatch.setattr(
