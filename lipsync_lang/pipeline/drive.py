@@ -23,7 +23,7 @@ Contacts
 Rest
     Clipping comes first, so all channels rest where all poses do. An envelope could leave rest
     before the first frame; the curve is kept within reach of it, as that of a pose is. A channel
-    gets anywhere within ``1 / step`` frames, like a pose, so contacts lose nothing by it.
+    gets anywhere within ``1 / step`` frames, like a pose, so contacts lose nothing farther inside.
 Never above another
     ``c = max(low, min(c, other))``, once `other` is final. A minimum of two slow curves is slow if
     both keep to the speed of the slower. Where `other` may move faster than `c` (more units a
