@@ -58,7 +58,8 @@ def test_a_model_without_a_mouth_is_refused(tmp_path):
 def test_an_aperture_is_read_where_the_lips_touch_and_not_between_their_fronts():
     # A head as in heads of scans: lips that purse part their fronts, and their inner edges meet.
     across = np.linspace(-0.5, 0.5, 11)
-    rows = [(0.06, 0.0), (0.005, -0.07), (-0.005, -0.07), (-0.06, 0.0), (-0.02, -0.3), (0.02, -0.3)]
+    heights = (0.02, 0.005, -0.005, -0.02, -0.02, 0.02)
+    rows = [*zip(heights, (0.03, -0.07, -0.07, 0.03, -0.3, -0.3), strict=True)]
     points = np.concatenate([
         np.stack([across, np.full(11, y), np.full(11, z)], axis=1) for y, z in rows
     ])  # fmt: skip
