@@ -120,7 +120,7 @@ class AbbreviationKeys:
         particles = sorted((*map(re.escape, forms.particles), *ranks), key=len, reverse=True)
         self._particle = re.compile(f"(?:(?:{'|'.join(particles)}) ?){{,2}}")
         prefixes = "|".join(map(re.escape, forms.beginnings))
-        # `ל` before an abbreviation of Hebrew, which has a sign of its own
+        # `ל` before an abbreviation such as `רס"ן`, which has a sign of its own
         self._prefix = re.compile(rf"(?<!\w)(?:{prefixes})$") if prefixes else None
         self._cases = [
             (Surroundings.compiled(before, after, "rank_cases"), endings)

@@ -96,6 +96,7 @@ class Utterances:
         self._interjections = Interjections(forms.interjections, is_vowel, forms.vowels)
         self._expansions = Expansions(forms)
         self._rare = rare
+        self._capital_i = "İ" if "ı" in "".join(forms.abbreviations.values()) else "I"
         self._own = OwnWords(forms)
         self._ordinary = ordinary_spellings(forms.doubled)
         self._hyphenated = frozenset(map(plain, forms.hyphenated))
@@ -135,7 +136,7 @@ class Utterances:
         replaced = _apart(own.respelled, expanded)
         if self._rare is not None:
             replaced = _apart(replaced, list(self._rare.found_in(text)))
-        replaced = _as_loud(text, replaced) if text.isupper() else replaced
+        replaced = _as_loud(text, replaced, self._capital_i) if text.isupper() else replaced
         parts: list[UtterancePart] = []
         at, open_part = 0, UtterancePart("")
         for start, stop, part in self._cuts(text, tokens, replaced, said):
@@ -327,15 +328,14 @@ def _apart(own: list[Replacement], others: list[Replacement]) -> list[Replacemen
     return sorted(kept)
 
 
-def _as_loud(text: str, replaced: list[Replacement]) -> list[Replacement]:
+def _as_loud(text: str, replaced: list[Replacement], capital_i: str) -> list[Replacement]:
     """Return the replacements in capitals if they stand beside other words in capitals.
 
     An engine would spell `ΤΟ` between small letters.
     """
     if not respelled(text, [one._replace(read="") for one in replaced]).isupper():
         return replaced
-    dotted = "İ" if "İ" in text else "i"  # as Turkish has it
-    return [one._replace(read=one.read.replace("i", dotted).upper()) for one in replaced]
+    return [one._replace(read=one.read.replace("i", capital_i).upper()) for one in replaced]
 
 
 def _beside_said(
