@@ -12,6 +12,7 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.fixed import shape_columns, shapes_from_zero
 from lipsync_lang.animations.keys import KeyedCurve
 from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.faces.rigs.expressions import stating
 from lipsync_lang.faces.rigs.model import Mesh, Model, is_index, known_model
@@ -37,12 +38,9 @@ def shapes(animation: Animation) -> list[MovingShape]:
     Otherwise each column is one shape. The larger of two columns for one shape is used.
     """
     animation = unbound(animation)
-    columns: dict[tuple[str, str], list[int]] = defaultdict(list)
-    for mesh, name, column in on_model(animation):
-        columns[mesh, name].append(column)
-    for column in () if columns else shape_columns(animation):
-        channel = animation.columns[column]
-        columns[channel.mesh or "", channel.name].append(column)
+    columns = grouped(((mesh, name), column) for mesh, name, column in on_model(animation))
+    alone = [(animation.columns[column], column) for column in shape_columns(animation)]
+    columns = columns or grouped(((one.mesh or "", one.name), column) for one, column in alone)
     found = []
     for key, own in columns.items():
         floor = max(animation.contacts.get(animation.poses[column], 0.0) for column in own)

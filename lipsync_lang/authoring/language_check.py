@@ -15,6 +15,7 @@ import numpy as np
 from lipsync_lang.authoring.sound_table import SoundTable
 from lipsync_lang.authoring.trial import doubts, try_out, unheard
 from lipsync_lang.base.errors import OutputError, did_you_mean
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.finding import IPA
@@ -108,10 +109,8 @@ def mouths_in(sounds: Mapping[str, Any]) -> dict[tuple[str, ...], list[dict[str,
     """
     notations = sounds["notations"]
     shown = IPA if IPA in notations else next(iter(notations), IPA)
-    mouths: dict[tuple[str, ...], list[dict[str, Any]]] = {}
-    for row in sounds["rows"]:
-        if row["notation"] == shown and row["need"] != "unmapped":
-            mouths.setdefault(tuple(row["to"]), []).append(row)
+    own = [one for one in sounds["rows"] if one["notation"] == shown]
+    mouths = grouped((tuple(one["to"]), one) for one in own if one["need"] != "unmapped")
     return {mouth: sorted(own, key=lambda row: not row["words"]) for mouth, own in mouths.items()}
 
 

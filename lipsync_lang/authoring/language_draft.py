@@ -22,6 +22,7 @@ from typing import NamedTuple
 from lipsync_lang.authoring.new_pack import PackDraft, PackWish, check_name, head, pack_bytes
 from lipsync_lang.base.errors import LipsyncError, PackError, did_you_mean
 from lipsync_lang.base.files.reading import MIB_BYTES, read_input, utf8_text
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.packs.finding import FOLDERS, IPA
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Sounds
@@ -125,10 +126,7 @@ def _inventories(text: str) -> Iterator[tuple[str, Inventory]]:
         text.splitlines(), delimiter="," if comma else "\t",
         quoting=csv.QUOTE_MINIMAL if comma else csv.QUOTE_NONE,
     )  # fmt: skip
-    found: dict[str, list[Mapping[str, str]]] = {}
-    for row in rows:
-        found.setdefault(_of(row, ID_COLUMNS), []).append(row)
-    for number, members in found.items():
+    for number, members in grouped((_of(row, ID_COLUMNS), row) for row in rows).items():
         name, code = _of(members[0], NAME_COLUMNS), _of(members[0], CODE_COLUMNS)
         segments = tuple(dict.fromkeys(filter(None, (_of(row, SEGMENT) for row in members))))
         source = ", ".join(filter(None, (_of(members[0], SOURCE), name)))

@@ -25,6 +25,7 @@ from lipsync_lang.authoring.new_pack import (
     place_model,
 )
 from lipsync_lang.base.errors import LipsyncError, PackError
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.faces.rigs.driver import bare
 from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.faces.rigs.shape_matching import placed
@@ -200,9 +201,7 @@ def with_poses_of(
     known: models.PoseSet, called: Mapping[str, str], common: models.Phonemes
 ) -> models.PoseSet:
     """Return a pose set with some poses of another; `called` maps new names to old ones."""
-    new: dict[str, list[str]] = {}
-    for name, pose in called.items():
-        new.setdefault(pose, []).append(name)
+    new = grouped((pose, name) for name, pose in called.items())
 
     def renamed(values: Mapping[str, float]) -> dict[str, float]:
         return {name: value for pose, value in values.items() for name in new.get(pose, ())}
@@ -263,10 +262,8 @@ def guessed(poses: Sequence[str], common: models.Phonemes) -> models.PoseSet:
     first = poses[0]
     mouths = {label: one.mouth for label, one in common.phonemes.items() if one.mouth}
     shutting = [n for n in common.base if n in mouths and not any(m.aperture for m in mouths[n])]
-    kinds: dict[str | None, list[str]] = {}
-    for label in common.base:
-        told = common.phonemes.get(label)
-        kinds.setdefault(told.sound if told else None, []).append(label)
+    sounds = {label: one.sound for label, one in common.phonemes.items()}
+    kinds = grouped((sounds.get(label), label) for label in common.base)
     groups = sorted(kinds.values(), key=len, reverse=True)
     shares = [[pose] for pose in poses[: len(groups)]]
     for pose in poses[len(groups) :]:  # surplus poses split the largest shares

@@ -6,6 +6,7 @@ Input is the plain data of the JSON output; output is one string with line break
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.base.presentation.text_table import columns
 
 
@@ -54,9 +55,7 @@ def language_table(told: dict[str, Any]) -> str:
             cells = [(r["label"], r["common"] or "(mute)", r["example"], r["reason"]) for r in rows]
             lines += [f"  {line}" for line in columns(heads + cells, widest=60)]
             continue
-        groups: dict[str, list[str]] = {}
-        for row in rows:
-            groups.setdefault(row["common"], []).append(row["label"])
+        groups = grouped((row["common"], row["label"]) for row in rows)
         for common, labels in sorted(groups.items(), key=lambda group: " " in group[0]):
             lines.append(f"  {common or '(mute)':<10}{'  '.join(labels)}")
     lines += _mouth_table(told["mouths"])

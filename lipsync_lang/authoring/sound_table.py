@@ -11,6 +11,7 @@ from typing import Any
 
 from lipsync_lang.authoring.trial import Trial, try_out
 from lipsync_lang.base.errors import PackError
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.packs import models
 from lipsync_lang.packs.checking.language_checks import notation_of
 from lipsync_lang.packs.finding import IPA
@@ -241,14 +242,11 @@ class SoundTable:
 
     def _heard(self, trial: Trial) -> dict[str, list[str]]:
         """Return the words of each label, as the engine or a test's source writes it."""
-        heard: dict[str, list[str]] = {}
         read = (word for transcript in trial.transcripts for word in transcript.words)
         pairs = [(label, word.text) for word in read for label in word.labels]
         tests = trial.pack.model.tests
         pairs += ((label, test.text) for test in tests for label in test.ipa.split())
-        for label, word in (*pairs, *self.spoken):
-            heard.setdefault(normalise(label), []).append(word)
-        return heard
+        return grouped((normalise(label), word) for label, word in (*pairs, *self.spoken))
 
     def _tests(self, trial: Trial) -> list[dict[str, Any]]:
         """Return each test with its result."""

@@ -26,6 +26,8 @@ from traceback import walk_tb
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
+from lipsync_lang.base.extras import importable
+from lipsync_lang.base.grouping import grouped
 
 T = TypeVar("T")
 PROGRAM = "lipsync-lang"
@@ -329,25 +331,14 @@ def installed(group: str) -> list[EntryPoint]:
 
 def plug_ins() -> dict[str, list[EntryPoint]]:
     """Return the entry points of each installed plug-in, by its distribution."""
-    found: dict[str, list[EntryPoint]] = {}
-    for one in sorted(_every()):
-        if one.dist != PROGRAM:
-            found.setdefault(one.dist, []).append(one)
-    return found
+    return grouped((one.dist, one) for one in sorted(_every()) if one.dist != PROGRAM)
 
 
 def removed_rooms() -> dict[str, list[EntryPoint]]:
     """Return the program's own entry points whose folder was removed, by the folder's package."""
-    found: dict[str, list[EntryPoint]] = {}
-    for one in sorted(one for one in _every() if one.dist == PROGRAM and one.group != PACKS):
-        package = one.module.rpartition(".")[0]
-        try:
-            there = find_spec(package) is not None
-        except ModuleNotFoundError:  # the folder above it was removed, too
-            there = False
-        if not there:
-            found.setdefault(package, []).append(one)
-    return found
+    own = sorted(one for one in _every() if one.dist == PROGRAM and one.group != PACKS)
+    rooms = grouped((one.module.rpartition(".")[0], one) for one in own)
+    return {room: points for room, points in rooms.items() if not importable(room)}
 
 
 def faults_of_plug_in(name: str) -> list[str]:

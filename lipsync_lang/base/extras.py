@@ -34,7 +34,7 @@ class Extra(NamedTuple):
 
     def missing(self) -> list[str]:
         """List the modules that are not installed; none is imported."""
-        return [module for module in self.modules if not _there(module)]
+        return [module for module in self.modules if not importable(module)]
 
 
 @cache
@@ -96,7 +96,8 @@ def _settings(home: Path) -> str:
         return ""
 
 
-def _there(module: str) -> bool:
+def importable(module: str) -> bool:
+    """Return True for a module that is installed; it is not imported."""
     try:
         # A module that was put into `sys.modules` by hand has no spec, a ValueError.
         return find_spec(module) is not None

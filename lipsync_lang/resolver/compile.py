@@ -11,6 +11,7 @@ from typing import Any, Self
 import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints, Singles
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.packs import models
 from lipsync_lang.packs.banks.draft import shape
 from lipsync_lang.packs.checking.pack_checks import idle_mouths
@@ -322,11 +323,8 @@ def _marks(rows: list[BigramRow]) -> tuple[Floats, Bools]:
 
 def _regions(poseset: models.PoseSet) -> dict[str, list[int]]:
     """Return pose numbers by region."""
-    regions: dict[str, list[int]] = {}
-    for number, pose in enumerate(poseset.poses.values()):
-        if pose.region:
-            regions.setdefault(pose.region, []).append(number)
-    return regions
+    regions = enumerate(pose.region for pose in poseset.poses.values())
+    return grouped((region, number) for number, region in regions if region)
 
 
 def _style_drafts(poseset: Pack[models.PoseSet]) -> dict[str, dict[str, Any]]:
@@ -527,13 +525,10 @@ def played_trigrams(shelf: PairPacks, drawn: Mapping[Triple, Halves]) -> dict[Tr
 
     Of phonemes with shades it is the finest that is drawn, down to that of their parents.
     """
-    kin: dict[str, list[str]] = {}
-    for name in shelf.numbered:
-        for one in {name, shelf.parents.get(name, name)}:
-            kin.setdefault(one, []).append(name)
+    names = {name: (name, shelf.parents.get(name, name)) for name in shelf.numbered}
+    kin = grouped((one, name) for name, both in names.items() for one in {*both})
     # by the number of parents; `sorted` is stable, so ties prefer the finer first phoneme
     coarser = sorted(product((0, 1), repeat=3), key=sum)
-    names = {name: (name, shelf.parents.get(name, name)) for name in shelf.numbered}
     played = {}
     for triple in drawn:
         for one, two, three in product(*(kin.get(phoneme, ()) for phoneme in triple)):

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from lipsync_lang.base.errors import count
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.text.phonology.labels import Value
@@ -99,10 +100,8 @@ class Report:
 
 def _gap_lines(gaps: tuple[str, ...]) -> list[str]:
     """List bigrams by their first phoneme, one line each."""
-    after: dict[str, list[str]] = {}
-    for pair in gaps:
-        first, _, second = pair.partition("-")
-        after.setdefault(first, []).append(second)
+    pairs = (pair.partition("-") for pair in gaps)
+    after = grouped((first, second) for first, _, second in pairs)
     return [f"  {first}-  {' '.join(seconds)}" for first, seconds in after.items()]
 
 

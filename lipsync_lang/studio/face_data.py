@@ -15,6 +15,7 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import ModelError, OutputError
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.faces.rigs.model import movable_nodes
 from lipsync_lang.render.model import light
@@ -134,11 +135,10 @@ def _camera(camera: Camera) -> Json:
 def _nodes(scene: Scene, animation: Animation) -> list[Json]:
     """Return the visible nodes, parents first: positions at rest, and channels of bones."""
     rank = {number: place for place, number in enumerate(scene.order)}
-    moves: dict[str, list[Json]] = {}
-    for column, channel in enumerate(animation.columns):
-        if channel.node is not None:
-            one = {"channel": column, "turn": channel.rotation, "shift": channel.translation}
-            moves.setdefault(channel.node, []).append(one)
+    moves = grouped(
+        (one.node, {"channel": column, "turn": one.rotation, "shift": one.translation})
+        for column, one in enumerate(animation.columns)
+    )
     rows, movable = [], movable_nodes(scene.document)
     for number, parent in scene.order.items():
         node = scene.document["nodes"][number]

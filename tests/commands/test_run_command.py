@@ -303,7 +303,7 @@ def test_explain_refuses_times_outside(at, cli):
 
 
 def test_extras_that_a_line_and_its_files_lack_are_named_together(cli, monkeypatch):
-    monkeypatch.setattr(extras, "_there", lambda _: False)
+    monkeypatch.setattr(extras, "importable", lambda _: False)
     ended = cli("run", "x", "-l", "mandarin", "-c", "facefx", "-o", "a.mp4", "--plot", "p.png")
     assert ended.code == 2
     told = "video (for a.mp4), plot (for p.png), mandarin (for mandarin), speech (for mandarin)"

@@ -39,7 +39,7 @@ WINGS = (
 
 ROOMS = {
     "base": (
-        {"arrays", "errors", "extras", "json_object", "terminal", "version"},
+        {"arrays", "errors", "extras", "grouping", "json_object", "terminal", "version"},
         {"extensions", "files"},
         {"presentation"},
     ),

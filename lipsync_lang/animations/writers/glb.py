@@ -28,6 +28,7 @@ from lipsync_lang.animations.keys import fit, margin, needed
 from lipsync_lang.animations.moving_shapes import unbound
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import OutputError
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.faces.rigs.container import (
@@ -255,10 +256,7 @@ def _move_shapes(
 
 def _move_nodes(take: _NewAnimation, channels: Sequence[Channel], values: Floats) -> None:
     """Rotate and translate bone nodes relative to their rest transform."""
-    moves: dict[str, list[tuple[Channel, Floats]]] = defaultdict(list)
-    for column, channel in enumerate(channels):
-        if channel.node is not None:
-            moves[channel.node].append((channel, values[:, column]))
+    moves = grouped((one.node, (one, values[:, at])) for at, one in enumerate(channels))
     for number, name in movable_nodes(take.model.document).items():
         if name in moves:
             _move_node(take, number, moves[name])

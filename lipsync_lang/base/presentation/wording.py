@@ -10,6 +10,8 @@ from functools import cache
 from os.path import commonprefix
 from pathlib import PurePath
 
+from lipsync_lang.base.grouping import grouped
+
 NBSP = "\N{NO-BREAK SPACE}"
 """A no-break space; in pages it separates number and unit."""
 
@@ -93,10 +95,8 @@ def folder(paths: Sequence[str]) -> str:
 
 def gathered(places: Iterable[str]) -> str:
     """Format places, grouped by file: `act1.csv:3, 17; act2.csv:5`."""
-    lines: dict[str, list[str]] = {}
-    for place in places:
-        file, colon, line = place.rpartition(":")
-        lines.setdefault(file + colon, []).append(line)
+    parts = (place.rpartition(":") for place in places)
+    lines = grouped((file + colon, line) for file, colon, line in parts)
     return "; ".join(f"{file}{', '.join(found)}" for file, found in lines.items())
 
 

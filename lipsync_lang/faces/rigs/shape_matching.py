@@ -31,6 +31,7 @@ from functools import lru_cache
 from itertools import groupby, islice
 from typing import NamedTuple
 
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.faces.rigs.model import Mesh
 
@@ -71,11 +72,12 @@ class Placement:
 def placed(channels: Sequence[Channel], shapes: Sequence[str]) -> Placement:
     """Assign channels to the shapes of one mesh, bones left out, and describe ambiguities."""
     known = _Index(shapes)
-    wanted: dict[Grade, list[tuple[int, str]]] = defaultdict(list)
-    for number, channel in enumerate(channels):
-        if channel.node is None:
-            for shape, grade in known.meant_by(channel).items():
-                wanted[grade].append((number, shape))
+    wanted = grouped(
+        (grade, (number, shape))
+        for number, channel in enumerate(channels)
+        if channel.node is None
+        for shape, grade in known.meant_by(channel).items()
+    )
     found = Placement()
     taken: set[str] = set()
     for grade in sorted(wanted):
@@ -114,9 +116,7 @@ def _deal(
     found: Placement, rule: int, pairs: Sequence[tuple[int, str]], names: Sequence[str]
 ) -> Iterator[str]:
     """Assign shapes by one comparison; yield descriptions of ambiguities."""
-    wanting: dict[str, list[int]] = defaultdict(list)
-    for number, shape in pairs:
-        wanting[shape].append(number)
+    wanting = grouped((shape, number) for number, shape in pairs)
     for shape, numbers in wanting.items():
         rivals = numbers
         if rule == ONE_SIDE and len({_Spelling.of(names[n]).side for n in numbers}) == len(numbers):

@@ -5,11 +5,11 @@ from collections.abc import Collection, Iterator
 from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import did_you_mean
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.packs.checking.conflicts import path_between
 from lipsync_lang.packs.checking.pack_checks import check_home, check_poses
 from lipsync_lang.packs.models import PoseSet, RigPack
 from lipsync_lang.packs.models.rig_models import (
-    NamedChannel,
     channels_of,
     expanded,
     paired,
@@ -67,10 +67,7 @@ def _limits(rig: "Pack[RigPack]") -> Iterator[Fault]:
     """Check that `at_most` names another channel, and that the limits form no circle."""
     channels = channels_of(rig.model)
     waits = {name: {c.at_most} if c.at_most else set() for name, c in channels.items()}
-    keys: dict[str, list[NamedChannel]] = {}
-    for channel in stated(rig.model):
-        keys.setdefault(channel.key, []).append(channel)
-    for key, ones in keys.items():
+    for key, ones in grouped((one.key, one) for one in stated(rig.model)).items():
         loc: Loc = ("channels", key, "at_most")
         unknown = {
             one.channel.at_most: one.name

@@ -11,6 +11,7 @@ languages. Languages have equal weights by default, because each player hears on
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.base.presentation.wording import WHOLE_PERCENT, rounded
 from lipsync_lang.reports.coverage import plan
 from lipsync_lang.reports.coverage.report import (
@@ -37,11 +38,8 @@ def total_of(
     """Return the total of reports, with minutes per bigram; a language without a weight has 1."""
     stated = weights or {}
     full = {report.language: float(stated.get(report.language, 1)) for report in reports}
-    faces: dict[str, list[CoverageReport]] = {}
-    for report in reports:
-        faces.setdefault(report.character, []).append(report)
     totals: list[FaceTotal] = []
-    for character, own in faces.items():
+    for character, own in grouped((report.character, report) for report in reports).items():
         figures, _ = _figures(own, minutes, full)
         totals.append(FaceTotal(**figures, character=character, poseset=own[0].poseset))
     figures, ranking = _figures(reports, minutes, full)

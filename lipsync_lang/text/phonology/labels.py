@@ -21,6 +21,7 @@ from typing import Any
 from unicodedata import combining, normalize
 
 from lipsync_lang.base.errors import PackError, did_you_mean
+from lipsync_lang.base.grouping import grouped
 
 Value = tuple[tuple[str, float], ...]
 """Common phonemes in sequence, each with its share of the label's time."""
@@ -169,11 +170,9 @@ class Notation:
     @cached_property
     def _bare(self) -> dict[str, list[tuple[Counter[str], Value]]]:
         """Visible part of labels -> (invisible marks, value) of each label."""
-        alike: dict[str, list[tuple[Counter[str], Value]]] = {}
-        for label, value in self._exact.items() if self.unseen else ():
-            kept, marks = bare(label, self.unseen)
-            alike.setdefault(kept, []).append((marks, value))
-        return alike
+        exact = self._exact.items() if self.unseen else ()
+        bared = ((*bare(label, self.unseen), value) for label, value in exact)
+        return grouped((kept, (marks, value)) for kept, marks, value in bared)
 
     def stated(self, label: str) -> Value | None:
         """Return the value of a label in the table; None if it is missing."""

@@ -119,7 +119,7 @@ def test_timings_are_as_good_as_recordings(cli, game):
 
 
 def test_all_that_is_not_installed_is_told_before_any_work(cli, game, monkeypatch):
-    monkeypatch.setattr(extras, "_there", lambda _: False)
+    monkeypatch.setattr(extras, "importable", lambda _: False)
     (game / "script.csv").write_text(f"id,{','.join(TWELVE)}\na{',x' * len(TWELVE)}\n")
     state(
         game, languages=f"[{', '.join(TWELVE)}]",
@@ -138,8 +138,8 @@ def test_all_that_is_not_installed_is_told_before_any_work(cli, game, monkeypatc
 
 
 def test_only_what_the_selected_lines_need_must_be_installed(cli, game, monkeypatch):
-    there = extras._there  # noqa: SLF001 which modules are found
-    monkeypatch.setattr(extras, "_there", lambda name: name != "pypinyin" and there(name))
+    there = extras.importable
+    monkeypatch.setattr(extras, "importable", lambda name: name != "pypinyin" and there(name))
     (game / "script.csv").write_text("id,english,mandarin\na,Hello.,你好\n")
     state(game, languages="[english, mandarin]")
     ended = cli("build", "--dry-run")
@@ -151,15 +151,15 @@ def test_only_what_the_selected_lines_need_must_be_installed(cli, game, monkeypa
 
 
 def test_a_spreadsheet_without_its_reader_is_told_with_the_rest(cli, game, monkeypatch):
-    monkeypatch.setattr(extras, "_there", lambda _: False)
+    monkeypatch.setattr(extras, "importable", lambda _: False)
     state(game, lines="script.xlsx")
     assert "[audio,speech,tables]" in cli("build").err
 
 
 def test_one_of_two_engines_is_enough(cli, game, monkeypatch):
-    there = extras._there  # noqa: SLF001 which modules are found
+    there = extras.importable
     monkeypatch.setattr(
-        extras, "_there", lambda name: not name.startswith("dengjen") and there(name)
+        extras, "importable", lambda name: not name.startswith("dengjen") and there(name)
     )
     (game / "script.csv").write_text("id,arabic\na,سلام\n")
     state(game, languages="[arabic]", audio=None)
@@ -192,7 +192,7 @@ def test_columns_of_one_language_are_told_apart_in_every_form(cli, tmp_path, mon
 
 
 def test_readers_that_are_missing_are_told_at_once(cli, game, monkeypatch):
-    monkeypatch.setattr(extras, "_there", lambda _: False)
+    monkeypatch.setattr(extras, "importable", lambda _: False)
     (game / "script.csv").write_text(f"id,{','.join(TWELVE)}\na{',x' * len(TWELVE)}\n")
     state(game, languages=f"[{', '.join(TWELVE)}]", audio=None)
     told_of = cli("coverage").err
@@ -202,8 +202,8 @@ def test_readers_that_are_missing_are_told_at_once(cli, game, monkeypatch):
 
 
 def test_the_doctor_parts_what_the_project_needs_from_the_rest(cli, game, monkeypatch):
-    there = extras._there  # noqa: SLF001 which modules are found
-    monkeypatch.setattr(extras, "_there", lambda name: name != "pypinyin" and there(name))
+    there = extras.importable
+    monkeypatch.setattr(extras, "importable", lambda name: name != "pypinyin" and there(name))
     monkeypatch.setattr(doctor_checks, "fault_of", lambda *_: "")
     state(game, languages="[english, mandarin]", audio=None)
     ended = cli("doctor")

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from typing import TextIO
 
 from lipsync_lang.base.errors import count, shortlist
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.base.presentation.wording import percentage_text, ranked_text
 from lipsync_lang.reports.coverage.forms import FORMS, FormOptions
@@ -245,18 +246,14 @@ def draft_calls(items: Sequence[WorkItem]) -> Iterator[str]:
     A command drafts for one language and one pose set. Each command has the language that serves
     most of the remaining items, or the first of several.
     """
-    left: dict[str, list[WorkItem]] = {}
-    for item in items:
-        if not item.bank:
-            left.setdefault(item.poseset, []).append(item)
-    for poseset, own in left.items():
-        missing = own
+    left = grouped((item.poseset, item) for item in items if not item.bank)
+    for poseset, missing in left.items():
         while missing:
             counts = Counter(name for item in missing for name in item.languages)
             best = max(counts, key=counts.__getitem__)
             now = [item.bigram for item in missing if best in item.languages]
             yield f"lipsync-lang bank draft -l {best} -c {poseset} --write {' '.join(now)}"
-            missing = [item for item in missing if best not in item.languages]
+            missing[:] = [item for item in missing if best not in item.languages]
 
 
 def headline(total: TotalFigures) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import shortlist
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.schedules.schedule import SILENCE, Word
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS, WINDOW_SAMPLES
@@ -138,7 +139,8 @@ def timed_labels(
     # dropped silences are merged into the next sound
     times = [0.0, *(starts[before + 1] for before in kept[:-1]), seconds]
     places = [(rows[n][1], place) for place, n in enumerate(kept) if rows[n][0] != SILENCE]
-    first, last, found = dict(reversed(places)), dict(places), _by_word(heard)
+    first, last = dict(reversed(places)), dict(places)
+    found = grouped((one.word, one) for one in heard)
     words = []
     for number, saying in enumerate(sayings):
         if number in first:
@@ -146,13 +148,6 @@ def timed_labels(
             sure = min(sure, DOUBTED_CONFIDENCE) if number in doubted else sure
             words.append(Word(saying.text, first[number], last[number] + 1, confidence=sure))
     return TimedLabels(labels, np.array(times), tuple(words))
-
-
-def _by_word(heard: Sequence[HeardPhoneme]) -> dict[int, list[HeardPhoneme]]:
-    words: dict[int, list[HeardPhoneme]] = {}
-    for one in heard:
-        words.setdefault(one.word, []).append(one)
-    return words
 
 
 def doubts(heard: Sequence[HeardPhoneme], sayings: Sequence[Saying]) -> list[str]:
@@ -163,7 +158,7 @@ def doubts(heard: Sequence[HeardPhoneme], sayings: Sequence[Saying]) -> list[str
         if one.word == one.phone == OUTSIDE
         and (one.stop - one.first) * FRAME_SECONDS >= OTHER_SOUND_SECONDS
     ]
-    said = _by_word(heard)
+    said = grouped((one.word, one) for one in heard)
     absent: list[str] = []
     unlike: list[str] = []
     for number, saying in enumerate(sayings):
