@@ -2,13 +2,11 @@
 
 import sys
 from argparse import Namespace
-from pathlib import Path
 
-from lipsync_lang.base.files import STANDARD_STREAM, argument_path, atomic
+from lipsync_lang.base.files import STANDARD_STREAM, atomic
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.performing import plot_kind
 from lipsync_lang.commands.registry import Add, command, family
-from lipsync_lang.commands.shared_options import add_json, add_pair, flag, option
 
 SHOWN = 8
 """Limits on printed remarks per kind and on bigrams listed by a comparison."""
@@ -22,58 +20,31 @@ family(
 
 @command("bank draft")
 def _add_draft(action: Add) -> None:
-    made = action(
+    action(
         draft,
         "draft bigrams from a pose set's targets",
         "bank draft -l english -c facefx --write l-ow h-eh",
         more=", as YAML to look at or to edit",
     )
-    made.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
-    add_pair(made)
-    flag(made, "--write", "write them to a bank or a character; its own bigrams stay")
-    option(
-        made, "--to FILE",
-        "the bank or the character's file to write to [posesets/NAME/banks/common.yaml of this "
-        "folder, which all characters of the pose set use]", type=Path,
-    )  # fmt: skip
 
 
 @command("bank show")
 def _add_show(action: Add) -> None:
-    made = action(
+    action(
         show,
         "show bigrams as a character performs them, drawn or drafted",
         "bank show f-ah -l english -c facefx --plot f-ah.png",
     )
-    made.add_argument("bigrams", metavar="BIGRAM", nargs="+", help="such as l-ow")
-    add_pair(made)
-    option(
-        made, "--plot FILE", "draw their curves and control points; - is standard output, as PNG",
-        type=argument_path,
-    )  # fmt: skip
-    add_json(made)
 
 
 @command("bank diff")
 def _add_diff(action: Add) -> None:
-    made = action(
+    action(
         diff,
         "show which bigrams a character's layers change, and by how much",
         "bank diff -l english -c facefx --plot changes.png",
         more="; without --against, a pose set's banks are compared with its drafts",
     )
-    made.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
-    add_pair(made)
-    option(
-        made, "--against CHARACTER",
-        "another character of the pose set, or the bare pose set [the layers below]",
-    )  # fmt: skip
-    option(
-        made, "--plot FILE", "draw the bigrams that differ most; - is standard output, as PNG",
-        type=argument_path,
-    )  # fmt: skip
-    flag(made, "--all", "list every bigram that differs")
-    add_json(made)
 
 
 def draft(options: Namespace) -> int:

@@ -17,7 +17,6 @@ from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.terminal import progress, wipe
 from lipsync_lang.commands.output import FAULTS, SOUND, as_options
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_path, flag, option, repeated
 from lipsync_lang.packs.project import find_project, load_project
 from lipsync_lang.production.builds.unchanged import FOLDER, BuildLog, answer, pages_folder
 
@@ -153,47 +152,7 @@ def _folders(options: Namespace) -> list[Path]:
 
 @command("build")
 def _add_build(add: Add) -> None:
-    made = add(
-        build, "make all lines of a script, and then only the changed ones", "build --dry-run"
-    )
-    which = made.add_argument_group("which lines to make")
-    repeated(
-        which, "--only PATTERN", "make lines whose ids match, such as 'intro_*'; may be repeated"
-    )
-    repeated(
-        which, "-l, --language LANGUAGE", "make lines in this language; may be repeated [all]",
-        dest="languages",
-    )  # fmt: skip
-    repeated(
-        which, "-c, --character CHARACTER", "make lines on this character; may be repeated [all]",
-        dest="characters",
-    )  # fmt: skip
-    option(
-        which, "--shard N/M", "make one of M disjoint parts, such as 3/16, into archives of its own"
-    )
-    for name, told in (
-        ("--prune", "delete files of lines that the script no longer has"),
-        ("--force", "make and time lines again even if nothing changed"),
-        ("--overwrite", "replace files that were edited by hand"),
-        ("--dry-run", "list the lines that would be made, and why"),
-    ):
-        flag(which, name, told)
-    how = made.add_argument_group("how to make them")
-    option(how, "--workers N", "number of processes, at most [one per core]", type=int)
-    option(
-        how, "--scheduler ADDRESS",
-        "give the work to this Dask cluster, such as tcp://10.0.0.5:8786",
-    )  # fmt: skip
-    flag(how, "--watch", "keep making changed lines until Ctrl-C")
-    option(how, "--tts ENGINE", "speech engine for all lines; none estimates times")
-    repeated(
-        how, "--report FILE",
-        "write a report: .html, .xml (JUnit) or .json; may be repeated [the project's]", type=Path,
-        dest="reports",
-    )  # fmt: skip
-    flag(how, "--json", "print events as JSON, one on each line")
-    add_path(made)
-    made.set_defaults(in_project=False)
+    add(build, "make all lines of a script, and then only the changed ones", "build --dry-run")
 
 
 def build(options: Namespace) -> int:

@@ -4,7 +4,6 @@ import sys
 from argparse import Namespace
 from dataclasses import replace
 from operator import methodcaller
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import LipsyncError
@@ -12,14 +11,6 @@ from lipsync_lang.base.files import write_all
 from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
 from lipsync_lang.commands.performing import LINE_PAGE, perform_line, performer_for, schedule_for
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import (
-    add_json_form,
-    add_line,
-    add_output,
-    flag,
-    option,
-    repeated,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -34,29 +25,11 @@ SUFFIXES = {".json": "json", ".xml": "junit", ".html": LINE_PAGE}
 
 @command("check")
 def _add_check(add: Add) -> None:
-    check_ = add(
+    add(
         check,
         "measure the quality of an animation, and compare it with limits",
         'check "Hello, world" -l english -c facefx --baseline',
     )
-    add_line(check_)
-    option(
-        check_, "--animation FILE",
-        "check this animation file, from any program, instead of performing the line", type=Path,
-    )  # fmt: skip
-    flag(check_, "--channels", "check the channels of the character's rig")
-    flag(check_, "--baseline", "measure plain methods on the same line as well")
-    repeated(
-        check_, "--limit NAME=NUMBER",
-        "largest value allowed for a measure: --limit jitter=2; may be repeated", dest="limits",
-    )  # fmt: skip
-    option(
-        check_, "--format",
-        "output format; html is a page that plays the line and shows the findings [by the suffix "
-        "of -o, else text]", choices=("text", "json", "junit", "html"),
-    )  # fmt: skip
-    add_json_form(check_)
-    add_output(check_)
 
 
 def check(options: Namespace) -> int:

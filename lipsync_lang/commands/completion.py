@@ -8,19 +8,17 @@ from lipsync_lang.base.extras import install_line
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import Add, command, leaves
 
-SHELLS = ("bash", "zsh", "tcsh", "fish", "powershell")
 FILE_PLACEHOLDERS = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB", "ANSWERS"}
 """Placeholders of file arguments."""
 
 
 @command("completion")
 def _add_completion(add: Add) -> None:
-    made = add(
+    add(
         completion,
         "print a script that completes commands, options and names in a shell",
         "completion bash > ~/.local/share/bash-completion/completions/lipsync-lang",
     )
-    made.add_argument("shell", choices=SHELLS, help="the shell")
 
 
 def completion(options: Namespace) -> int:

@@ -17,20 +17,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from lipsync_lang.base.errors import MAX_KNOWN, LipsyncError, OutputError, shortlist
-from lipsync_lang.base.files import STANDARD_STREAM, argument_path, write_all
+from lipsync_lang.base.files import STANDARD_STREAM, write_all
 from lipsync_lang.base.terminal import progress, wipe
 from lipsync_lang.commands.output import FAULTS, SOUND, as_options, tell_written
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import (
-    add_json_form,
-    add_layout,
-    add_output,
-    add_path,
-    add_values,
     cleaning,
-    flag,
-    option,
-    repeated,
 )
 from lipsync_lang.packs.project import FILE, find_project
 from lipsync_lang.reports.coverage.forms import FORMS, SUFFIXES, FormOptions
@@ -54,55 +46,11 @@ WORD = "{language}"
 
 @command("coverage")
 def _add_coverage(add: Add) -> None:
-    coverage_ = add(
+    add(
         coverage,
         "show which bigrams a script needs, and what to author next",
         "coverage script.txt -l english -c facefx",
     )
-    coverage_.add_argument(
-        "corpus", metavar="CORPUS", type=argument_path, nargs="*",
-        help="a file of lines, a recording, a folder, or - for standard input "
-        "[the project's lines]",
-    )  # fmt: skip
-    coverage_.set_defaults(words={}, lines=(), text_column=None, speaker_column=None, cast=None)
-    for spelled, what in (
-        ("-l, --language LANGUAGE", "name or tag of a language"),
-        ("-c, --character CHARACTER", "a character or a pose set that speaks every line"),
-    ):
-        repeated(coverage_, spelled, f"{what} [the project's]; may be repeated")
-    option(
-        coverage_, "--format NAME",
-        f"what to write: {', '.join(FORMS.modules)} [by the suffix of -o, else text]",
-    )  # fmt: skip
-    add_output(coverage_)
-    add_json_form(coverage_)
-    repeated(
-        coverage_, "--column NAME",
-        "the text's column in tables, by name or number; LANGUAGE=NAME for one language's, which "
-        "may have several [the one named after the language]",
-    )  # fmt: skip
-    add_layout(coverage_)
-    option(coverage_, "--encoding NAME", "the encoding of all files [UTF-8]")
-    option(coverage_, "--minutes N", "minutes to author a bigram [5]", type=float, default=5.0)
-    repeated(
-        coverage_, "--weight LANGUAGE=N",
-        "weight of a language in the total of all; may be repeated [1 each]",
-    )  # fmt: skip
-    option(
-        coverage_, "--fail-under PERCENT", "exit with 1 if less of the speech is authored",
-        type=float,
-    )  # fmt: skip
-    option(
-        coverage_, "--against OLD.json", "show the changes since an older JSON report", type=Path
-    )
-    option(
-        coverage_, "--gestures NAME[:FACTOR],...",
-        "count these gestures of the pose set, at estimated times: all, or such as blink,nod [the "
-        "project's, or none]",
-    )  # fmt: skip
-    flag(coverage_, "--all", "list every bigram and line")
-    add_values(coverage_)
-    add_path(coverage_)
 
 
 def coverage(options: Namespace) -> int:

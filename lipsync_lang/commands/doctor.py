@@ -16,13 +16,11 @@ from lipsync_lang.commands.doctor_checks import (
 )
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, working
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json
 
 
 @command("doctor")
 def _add_doctor(add: Add) -> None:
-    made = add(doctor, "check the installation, and say how to mend it", "doctor")
-    add_json(made)
+    add(doctor, "check the installation, and say how to mend it", "doctor")
 
 
 def doctor(options: Namespace) -> int:

@@ -5,21 +5,16 @@ from argparse import Namespace
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.performing import perform
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_line, option
 
 
 @command("explain")
 def _add_explain(add: Add) -> None:
-    explain_ = add(
+    add(
         explain,
         "explain the weight of each pose at a time",
         'explain "Hello, world" -l english -c facefx --at 0.42',
         more="; in the folder of a project, --line alone explains the line of its script",
     )
-    explain_.set_defaults(in_script=True)
-    add_line(explain_)
-    option(explain_, "--at SECONDS", "the time to explain", type=float, required=True)
-    add_json(explain_)
 
 
 def explain(options: Namespace) -> int:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json
 
 if TYPE_CHECKING:
     from lipsync_lang.base.extensions import Formats
@@ -18,17 +17,12 @@ SHOWN = 4
 
 @command("voices")
 def _add_voices(add: Add) -> None:
-    made = add(voices, "list the voices that speak text", "voices")
-    made.add_argument(
-        "engine", metavar="ENGINE", nargs="?", default="espeak", help="a speech engine [espeak]"
-    )
-    add_json(made)
+    add(voices, "list the voices that speak text", "voices")
 
 
 @command("formats")
 def _add_formats(add: Add) -> None:
-    made = add(formats, "list the formats that can be read and written", "formats")
-    add_json(made)
+    add(formats, "list the formats that can be read and written", "formats")
 
 
 def voices(options: Namespace) -> int:

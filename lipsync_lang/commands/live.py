@@ -9,17 +9,9 @@ from threading import Thread
 from typing import TYPE_CHECKING, Any, TextIO
 
 from lipsync_lang.base.errors import LipsyncError
-from lipsync_lang.commands.local_server import add_serving, serve
+from lipsync_lang.commands.local_server import serve
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import (
-    add_manner,
-    add_pair,
-    add_values,
-    flag,
-    option,
-    repeated,
-)
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp
@@ -40,54 +32,12 @@ MAX_LINE_BYTES = 64 * 1024
 
 @command("live")
 def _add_live(add: Add) -> None:
-    live_ = add(
+    add(
         live,
         "speak typed sentences or follow a voice, and send frames to an engine in real time",
         'live "Hello, world" -l english -c facefx --to vmc:127.0.0.1:39539\n'
         "  lipsync-lang live --audio mic -c facefx --to vmc:127.0.0.1:39539",
     )
-    live_.add_argument(
-        "text", metavar="TEXT", nargs="?", help="the text to say [lines from standard input]"
-    )
-    add_pair(live_)
-    add_values(live_)
-    repeated(
-        live_, "--to RECEIVER",
-        "livelink:HOST:PORT (Unreal), vmc:HOST:PORT (VSeeFace, Unity), ws:HOST:PORT (serve "
-        "WebSockets), or - for lines of JSON; may be repeated [-]",
-    )  # fmt: skip
-    option(live_, "--tts ENGINE", "speech engine; none is silent")
-    option(live_, "--subject NAME", "the Live Link subject [lipsync]", default="lipsync")
-    repeated(live_, "--rename POSE=NAME", "send a pose to vmc under another name; may be repeated")
-    heard = live_.add_argument_group("sound")
-    option(
-        heard, "--audio SOURCE",
-        "follow a voice in any language, without a text: mic, mic:DEVICE, a recording, or - for "
-        "samples or WAV on standard input",
-    )  # fmt: skip
-    option(
-        heard, "--rate N",
-        "samples per second of samples without a header, or of a microphone [16000]", type=int,
-    )  # fmt: skip
-    option(
-        heard, "--format FORMAT",
-        "samples without a header: s16 or f32, also u8, s24, s32 and f64 [s16]",
-    )  # fmt: skip
-    option(
-        heard, "--delay SECONDS", "delay of the lips after the sound; more is more exact [0.08]",
-        type=float, default=0.08,
-    )  # fmt: skip
-    flag(
-        heard, "--page", "open a page in the browser whose head moves as you talk to its microphone"
-    )
-    flag(heard, "--list", "list the microphones", dest="choosing")
-    add_manner(live_)
-    option(
-        live_, "--gestures NAME[:FACTOR],...",
-        "make these gestures of the pose set: all, none, or such as blink,nod:0.5 [the project's, "
-        "or all on the page alone]",
-    )  # fmt: skip
-    add_serving(live_.add_argument_group("page"))
 
 
 def live(options: Namespace) -> int:

@@ -1,6 +1,5 @@
 """Serving of a page at an address with a secret, for the commands that open a browser."""
 
-import argparse
 import logging
 import os
 import stat
@@ -13,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.extras import install_line
-from lipsync_lang.commands.shared_options import Options, option
 
 if TYPE_CHECKING:
     import socket
@@ -42,21 +40,6 @@ SHUTDOWN_SECONDS = 1
 MAX_PRIVATE_BYTES = 4096
 
 
-def add_serving(add: Options) -> None:
-    """Add the options of an address to a command or a group of options."""
-    option(add, "--port N", "the port to listen on [a free one]", type=int, default=0)
-    option(
-        add, "--host ADDRESS",
-        "the address to listen on; needs --token for other machines [this machine only]",
-        default=LOCAL,
-    )  # fmt: skip
-    option(add, "--token SECRET", "the secret in the address [random]")
-    option(
-        add, "--browser", "open the address in a browser [yes]",
-        action=argparse.BooleanOptionalAction, default=True,
-    )  # fmt: skip
-
-
 def serve(
     options: Namespace,
     what: str,
@@ -69,7 +52,7 @@ def serve(
 
     Parameters
     ----------
-    options : those of `add_serving`
+    options : those of the set `serving`
     what : the name of the page in messages
     end : how to end it
     open_app : takes the token and the accepted `Host` headers; may lack a package

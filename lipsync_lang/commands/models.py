@@ -2,12 +2,10 @@
 
 import sys
 from argparse import Namespace
-from pathlib import Path
 
 from lipsync_lang.base.errors import count
 from lipsync_lang.commands.output import FAULTS, SOUND, listening, tell_written
 from lipsync_lang.commands.registry import Add, command, family
-from lipsync_lang.commands.shared_options import add_language, add_path, option
 
 ADAPT_EXAMPLE = "models adapt vo/anna -l english -o models/anna"
 
@@ -16,22 +14,12 @@ family("models", "adapt an acoustic model to the voices of a game", ADAPT_EXAMPL
 
 @command("models adapt")
 def _add_adapt(action: Add) -> None:
-    made = action(
+    action(
         adapt,
         "adapt an acoustic model to recordings and their texts",
         ADAPT_EXAMPLE,
         more=", without labels; it is written only if held-out lines become likelier",
     )
-    made.add_argument(
-        "folder", metavar="FOLDER", type=Path, help="recordings with texts: a.wav beside a.txt"
-    )
-    add_language(made)
-    add_path(made)
-    option(made, "--model MODEL", "name or folder [the language's]")
-    option(
-        made, "-o, --output FOLDER", "folder of the adapted model, a copy under the same terms",
-        type=Path, required=True,
-    )  # fmt: skip
 
 
 def adapt(options: Namespace) -> int:

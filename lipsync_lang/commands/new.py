@@ -9,47 +9,16 @@ from lipsync_lang.base.files import write_all
 from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
 from lipsync_lang.commands.parser import lacking
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_layout, add_path, option, repeated
 from lipsync_lang.packs.project import FILE
 
 
 @command("new")
 def _add_new(add: Add) -> None:
-    made = add(
+    add(
         new,
         "make a project: a new folder, or the project file of your script and recordings",
         "new my-game -l finnish",
     )
-    made.add_argument("name", metavar="NAME", nargs="?", help="the name of the new folder")
-    option(
-        made, "--example EXAMPLE",
-        "copy an example: a built-in language or pose set, or a whole game; a wrong name lists "
-        "them",
-    )  # fmt: skip
-    option(
-        made, "--recordings FOLDER", "the folder of the recordings of --from, if there are any",
-        type=Path,
-    )  # fmt: skip
-    option(
-        made, "--from SCRIPT",
-        "make a project of this script in the current folder: a table with a row for each line, "
-        "or a file or folder of another format", type=Path, dest="table",
-    )  # fmt: skip
-    option(made, "--column COLUMN", "the column of the text in --from, by name or number from 1")
-    add_layout(made)
-    option(made, "--encoding ENCODING", "the encoding of --from, such as cp1252 [UTF-8]")
-    option(
-        made, "-l, --language LANGUAGE",
-        "the language of the lines, by name or tag [from the columns of --from or the folders of "
-        "--recordings, else english]", dest="new_language",
-    )  # fmt: skip
-    repeated(
-        made, "-c, --character CHARACTER",
-        "the pose set of the new character, or an installed character; for recordings, may be "
-        "repeated [facefx]", dest="characters",
-    )  # fmt: skip
-    add_path(made)
-    made.set_defaults(in_project=False)
 
 
 def new(options: Namespace) -> int:

@@ -1,17 +1,14 @@
 """Commands that list packs, show one, and draft new ones."""
 
-import argparse
 import sys
 from argparse import Namespace
-from pathlib import Path
 from textwrap import indent
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.base.errors import LipsyncError, count
-from lipsync_lang.base.files import argument_path, write_all
+from lipsync_lang.base.files import write_all
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of, tell_written, working
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_path, flag, option, repeated
 
 if TYPE_CHECKING:
     from lipsync_lang.authoring.new_pack import PackDraft
@@ -22,82 +19,17 @@ if TYPE_CHECKING:
 @command("languages")
 def _add_languages(add: Add) -> None:
     title = "list language packs, show one, check one, or draft a new one"
-    made = _add_kind(add, "languages", title, ("list", "show", "check", "new"))
-    made.set_defaults(choosing=True)  # a character is welcome, but not needed
-    check = made.add_argument_group("how a language is checked")
-    option(
-        check, "-c, --character CHARACTER",
-        "show the mouth of each sound on a character or a pose set",
-    )  # fmt: skip
-    option(
-        check, "--picture FILE", "draw the mouths of the character on its model, as PNG",
-        type=argument_path,
-    )  # fmt: skip
-    option(
-        check, "--sounds LABELS",
-        "draw only these sounds: labels or common phonemes, separated by commas",
-    )  # fmt: skip
-    repeated(check, "--beside CHARACTER", "draw this character beside it; may be repeated")
-    new = made.add_argument_group("sources of a new language")
-    option(new, "--voice VOICE", "an eSpeak NG voice, such as sw")
-    option(new, "--epitran CODE", "an Epitran code, such as xho-Latn")
-    option(
-        new, "--lexicon FILE",
-        "words and their IPA phonemes: word, tab, phonemes separated by spaces", type=Path,
-    )  # fmt: skip
-    option(
-        new, "--profile FILE", "an orthography profile: graphemes and their IPA phonemes",
-        type=Path,
-    )  # fmt: skip
-    option(
-        new, "--inventory FILE", "the PHOIBLE table, or IPA phonemes separated by spaces", type=Path
-    )
-    option(new, "--inventory-id ID", "PHOIBLE inventory number, or an ISO 639-3 code or name")
-    option(
-        new, "--text FILE", "sample lines to collect sounds from; - is standard input",
-        type=argument_path,
-    )  # fmt: skip
-    option(new, "--tag TAG", "the BCP 47 tag of the language")
-    option(new, "--title TITLE", "the full name of the language")
+    add(packs, title, "languages list")
 
 
 @command("posesets")
 def _add_posesets(add: Add) -> None:
-    title = "list pose sets, show one, or draft a new one"
-    made = _add_kind(add, "posesets", title, ("list", "show", "new"))
-    new = made.add_argument_group("sources of a new pose set")
-    new.add_argument("poses", metavar="POSE", nargs="*", help="the names of its poses")
-    option(
-        new, "--model FILE",
-        "a model (.glb, .vrm, .gltf); its shapes are the poses unless you name some", type=Path,
-    )  # fmt: skip
-    option(
-        new, "--like POSESET", "copy the motion of known poses from this pose set [the best match]"
-    )
-    flag(new, "--guess", "assign sounds to unknown poses by a first guess")
-    flag(new, "--solve", "solve the targets on the model, for the mouth of each sound")
-    option(new, "--title TITLE", "its title in lists")
+    add(packs, "list pose sets, show one, or draft a new one", "posesets list")
 
 
 @command("characters")
 def _add_characters(add: Add) -> None:
-    title = "list characters, show one, or draft one from a model"
-    made = _add_kind(add, "characters", title, ("list", "show", "new"))
-    new = made.add_argument_group("sources of a new character")
-    option(new, "--model FILE", "the model of the face (.glb, .vrm, .gltf)", type=Path)
-    option(new, "--poseset POSESET", "its pose set [the best match]")
-    option(new, "--rig RIG", "a rig of the pose set [the best match]")
-    option(new, "--title TITLE", "its title in lists")
-
-
-def _add_kind(add: Add, kind: str, title: str, actions: tuple[str, ...]) -> argparse.ArgumentParser:
-    made = add(packs, title, f"{kind} list")
-    made.set_defaults(kind=kind[:-1])
-    made.add_argument("action", choices=actions, nargs="?", default="list")
-    made.add_argument("name", metavar="NAME", nargs="?", help="the pack to show or to create")
-    add_path(made)
-    add_json(made)
-    return made
+    add(packs, "list characters, show one, or draft one from a model", "characters list")
 
 
 def packs(options: Namespace) -> int:

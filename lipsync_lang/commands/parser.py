@@ -10,7 +10,7 @@ from lipsync_lang.base.extras import extras, install_line
 from lipsync_lang.base.version import __version__
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import COMMANDS, add_command, leaves
-from lipsync_lang.commands.shared_options import add_words
+from lipsync_lang.commands.shared_options import add_options, option_sets
 from lipsync_lang.packs.project import find_project, load_project
 from lipsync_lang.pipeline import kernel
 
@@ -48,7 +48,7 @@ def parser(first: str | None = None) -> argparse.ArgumentParser:
         if " " not in name:
             add_command(known, name)
     for _, made in leaves(top):
-        add_words(made)
+        add_options(made.add_mutually_exclusive_group(), option_sets()["words"])
     return top
 
 

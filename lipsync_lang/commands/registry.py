@@ -1,8 +1,9 @@
 """Registry of commands, and the functions that add them to the parser.
 
-A command is one module: its options, its help and its handler. The function that adds it is
-registered under the command's name; a name such as `bank fit` is an action of a command. A
-distribution adds a command by an entry point of the group `lipsync_lang.commands`.
+A command is one module: its help and its handler; `options.json` has its options. The function
+that adds it is registered under the command's name; a name such as `bank fit` is an action of a
+command. A distribution adds a command by an entry point of the group `lipsync_lang.commands`, and
+its options in code.
 """
 
 import argparse
@@ -10,6 +11,7 @@ from collections.abc import Callable, Iterator
 from typing import Protocol
 
 from lipsync_lang.base.extensions import Extensions
+from lipsync_lang.commands.shared_options import add_options, option_sets
 
 Handler = Callable[[argparse.Namespace], int]
 """A command handler: options in, exit code out."""
@@ -75,6 +77,7 @@ def add_command(known: "Subparsers[argparse.ArgumentParser]", name: str) -> None
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         made.set_defaults(command=handler)
+        add_options(made, option_sets().get(name, ()))
         return made
 
     COMMANDS[name](add)

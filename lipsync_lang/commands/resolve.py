@@ -5,18 +5,15 @@ from dataclasses import asdict
 
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_pair
 
 
 @command("resolve")
 def _add_resolve(add: Add) -> None:
-    made = add(
+    add(
         resolve,
         "show the layer of each part of a language-character pair, and its gaps",
         "resolve -l english -c facefx",
     )
-    add_pair(made)
-    add_json(made)
 
 
 def resolve(options: Namespace) -> int:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.animations.rates import parse_offset
 from lipsync_lang.base.errors import LipsyncError, OutputError, count
-from lipsync_lang.base.files import STANDARD_STREAM, argument_path, write_all
+from lipsync_lang.base.files import STANDARD_STREAM, write_all
 from lipsync_lang.commands.output import SOUND, as_options, listed
 from lipsync_lang.commands.performing import (
     LINE_PAGE,
@@ -21,7 +21,6 @@ from lipsync_lang.commands.performing import (
     schedule_for,
 )
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_line, flag, option, repeated
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -30,48 +29,11 @@ if TYPE_CHECKING:
 
 @command("run")
 def _add_run(add: Add) -> None:
-    run_ = add(
+    add(
         run,
         "animate text or timed phonemes",
         'run "Hello, world" -l english -c facefx -o hello.csv -o hello.wav -o hello.html',
     )
-    add_line(run_)
-    written = run_.add_argument_group("output")
-    repeated(
-        written, "-o, --output FILE",
-        "write the animation in the format of the suffix, or as FORMAT:FILE; csv:- is standard "
-        "output; may be repeated",
-    )  # fmt: skip
-    option(
-        written, "--plot FILE", "draw every stage in a picture; - is standard output, as PNG",
-        type=argument_path,
-    )  # fmt: skip
-    option(
-        written, "--model GLB", "the model for -o line.glb, instead of the character's own",
-        type=Path,
-    )  # fmt: skip
-    flag(written, "--poses", "write poses even if the character has a rig")
-    repeated(
-        written, "--beside CHARACTER",
-        "draw this character below the first one instead of the stages; may be repeated",
-    )  # fmt: skip
-    repeated(
-        written, "--against OTHER",
-        "show a comparison on the page -o line.html: an animation file, a plain method "
-        "(keyframes, dominance, held), or another character; may be repeated",
-    )  # fmt: skip
-    flag(written, "--cut", "leave out lead-in and tail")
-    option(
-        written, "--offset TIME",
-        "start of the sound in the files: seconds, or a timecode 01:00:00:00 [the project's, or 0]",
-    )  # fmt: skip
-    option(
-        written, "--keys [lines:]ERROR",
-        "store few keys with tangents, with at most this error, such as 0.01; lines:ERROR stores "
-        "straight lines instead, as formats without tangents do; lines:0 keeps every frame that "
-        "is not on a line [lines:0.005 in formats that are edited by hand, else every frame]",
-    )  # fmt: skip
-    flag(written, "--check", "check the animation's poses as well, as `check` does")
 
 
 def run(options: Namespace) -> int:

@@ -4,16 +4,11 @@ from argparse import Namespace
 
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json
 
 
 @command("schema")
 def _add_schema(add: Add) -> None:
-    made = add(schema, "print the JSON Schema of a kind of pack", "schema language > language.json")
-    made.add_argument(
-        "kind", metavar="KIND", nargs="?", help="the kind of pack; without it, list the kinds"
-    )
-    add_json(made)
+    add(schema, "print the JSON Schema of a kind of pack", "schema language > language.json")
 
 
 def schema(options: Namespace) -> int:

@@ -1,7 +1,14 @@
-"""Options of commands, spelled as the help shows them, and those that several commands share."""
+"""Options of commands, spelled as the help shows them.
+
+`options.json` lists them by command, and the sets that several commands share. A row has the
+spelling, the help, and further arguments of `argparse` if there are any; a text names a set.
+"""
 
 import argparse
+import json
 from argparse import Namespace, _ActionsContainer
+from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -56,31 +63,6 @@ def repeated(made: Options, spelled: str, told: str, **how: Any) -> None:
     option(made, spelled, told, action="append", default=[], **how)
 
 
-def add_words(made: argparse.ArgumentParser) -> None:
-    """Add the verbosity options."""
-    words = made.add_mutually_exclusive_group()
-    flag(words, "-q, --quiet", "print errors only")
-    flag(words, "-v, --verbose", "print each step and its reason")
-
-
-def add_path(made: Options) -> None:
-    """Add the pack search path; the project supplies the default."""
-    made.set_defaults(in_project=True)
-    repeated(
-        made, "--path FOLDER", "search this folder for packs first; may be repeated", type=Path
-    )
-
-
-def add_layout(made: Options) -> None:
-    """Add the options that say where a table begins."""
-    option(made, "--sheet NAME", "the only sheet to read of a spreadsheet [all of a script]")
-    option(
-        made, "--header-row N",
-        "the row of a table that names the columns, from 1 [the first, or the one below a title]",
-        type=parse_row,
-    )  # fmt: skip
-
-
 def parse_row(text: str) -> int:
     """Return the number of a row."""
     if not (text.isascii() and text.isdecimal() and len(text) < MAX_ROW_DIGITS and int(text)):
@@ -88,142 +70,81 @@ def parse_row(text: str) -> int:
     return int(text)
 
 
+KINDS: dict[str, Any] = {
+    "file": argument_path,
+    "float": float,
+    "int": int,
+    "path": Path,
+    "rate": parse_rate,
+    "row": parse_row,
+    "yes or no": argparse.BooleanOptionalAction,
+}
+"""Types and actions by their names in `options.json`."""
+
+
+@cache
+def option_sets() -> dict[str, list[Any]]:
+    """Return the rows of `options.json`, by the names of commands and shared sets."""
+    found: dict[str, list[Any]] = json.loads(
+        Path(__file__).with_name("options.json").read_text("utf-8")
+    )
+    return found
+
+
+def add_options(made: Options, rows: Iterable[Any]) -> None:
+    """Add rows of `options.json` to a command, or to a group of its options."""
+    for row in rows:
+        match row:
+            case str():
+                add_options(made, option_sets()[row])
+            case {"group": title, "options": own}:
+                add_options(made.add_argument_group(title), own)
+            case {"defaults": values}:
+                made.set_defaults(**values)
+            case [spelled, told, *how]:
+                _add_row(made, spelled, told, **dict(*how))
+
+
+def _add_row(made: Options, spelled: str, told: str, **how: Any) -> None:
+    for key in how.keys() & {"type", "action"}:
+        how[key] = KINDS.get(how[key], how[key])
+    named = spelled.startswith("-") and " " not in spelled.rpartition(", ")[2]
+    if how.pop("repeated", False):
+        repeated(made, spelled, told, **how)
+    elif named and not how.keys() & {"action", "choices"}:
+        flag(made, spelled, told, **how)
+    else:
+        option(made, spelled, told, **how)
+
+
+def add_path(made: Options) -> None:
+    """Add the pack search path; the project supplies the default."""
+    add_options(made, ["path"])
+
+
 def add_json(made: Options) -> None:
     """Add the option for JSON output."""
-    flag(made, "--json", "print JSON")
+    add_options(made, ["json"])
 
 
 def add_json_form(made: Options) -> None:
     """Add the option for JSON output to commands with several `--format` values."""
-    option(
-        made, "--json", "the same as --format json", action="store_const", const="json",
-        dest="format",
-    )  # fmt: skip
-
-
-def add_output(made: Options) -> None:
-    """Add the option for the files to write instead of printing."""
-    repeated(
-        made, "-o, --output FILE",
-        "write to a file; - is standard output; may be repeated [print it]", type=argument_path,
-    )  # fmt: skip
+    add_options(made, ["json form"])
 
 
 def add_language(made: Options) -> None:
     """Add the option for the language; the project supplies the default."""
-    option(made, "-l, --language LANGUAGE", "name or tag of a language [the project's]")
+    add_options(made, ["language"])
 
 
-def add_pair(made: Options, *, models: bool = False) -> None:
-    """Add the language and character options; `models` if a model may stand for a character."""
-    face = (
-        "a character, a pose set or a model (.glb, .vrm, .gltf)"
-        if models
-        else "a character or a pose set"
-    )
-    add_language(made)
-    option(made, "-c, --character CHARACTER", f"{face} [the project's]")
-    add_path(made)
-
-
-def add_line(made: argparse.ArgumentParser) -> None:
-    """Add the options of a line: character, text and delivery."""
-    made.add_argument("text", metavar="TEXT", nargs="?", help="the text to say")
-    add_pair(made.add_argument_group("speaker"), models=True)
-    said = made.add_argument_group("line")
-    option(
-        said, "--audio FILE",
-        "a recording of the TEXT or of the --schedule; alone, its speech is recognised", type=Path,
-    )  # fmt: skip
-    option(
-        said, "--audio-channel N", "channel of the recording, counted from 1 [all, mixed]", type=int
-    )
-    option(said, "--aligner NAME[:MODEL]", "aligner and its model [the language's]")
-    option(said, "--recogniser NAME[:MODEL]", "recogniser and its model [the language's]")
-    option(
-        said, "--schedule FILE", "timed phonemes instead of text; - is standard input",
-        type=argument_path,
-    )  # fmt: skip
-    option(said, "--read-as FORMAT", "the schedule's format [by its suffix and content]")
-    option(said, "--tier NAME", "the schedule's tier, speaker or channel, if it has several")
-    option(
-        said, "--rate N",
-        "units per second of the schedule's times: 1000 for milliseconds, 16000 for samples",
-        type=float,
-    )  # fmt: skip
-    option(said, "--encoding NAME", "the schedule's encoding [UTF-8]")
-    option(said, "--notation NAME", "the notation of the schedule's labels")
-    option(said, "--line NAME", "the id of the line, for its edits in the character's file")
-    option(said, "--tts ENGINE", "speech engine; none estimates times [the language's]")
-    add_values(said)
-    how = made.add_argument_group("performance")
-    add_manner(how)
-    option(
-        how, "--intensity X",
-        "effect of loudness on the mouth: 0 for none, 1 as the pose set states, at most 2 [1 if "
-        "there is sound]", type=float,
-    )  # fmt: skip
-    option(
-        how, "--gestures NAME[:FACTOR],...",
-        "make these gestures of the pose set: all, none, or such as blink,accent:0.5 [the "
-        "project's, or all in pages and videos alone]",
-    )  # fmt: skip
-    option(
-        how, "--idle SECONDS",
-        "rest so long after the line, with gestures of silence [the project's, or 0]", type=float,
-    )  # fmt: skip
-
-
-def add_manner(how: Options) -> None:
-    """Add the options of delivery that need no whole line."""
-    repeated(
-        how, "--style NAME:SHARE",
-        "blend in a style: --style angry:0.5; varying over seconds: --style angry:0@1,1@2.5",
-        dest="styles",
-    )  # fmt: skip
-    repeated(
-        how, "--dial REGION:LEVEL",
-        "scale the poses of a region, 0 to 2: --dial jaw:0.5 mumbles; may vary as in --style",
-        dest="dials",
-    )  # fmt: skip
-    add_motion(how)
-    option(
-        how, "--shades",
-        "perform shades (finer sounds), or each as its parent phoneme [the project's, or yes; no "
-        "with motion=paper]", action=argparse.BooleanOptionalAction,
-    )  # fmt: skip
-    option(
-        how, "--gaps", "treatment of bigrams without data [error]", choices=("error", "rest"),
-        default="error",
-    )  # fmt: skip
-    option(
-        how, "--unknown",
-        "treatment of unmapped labels; nearest uses the features of IPA [nearest]",
-        choices=("error", "rest", "nearest"), default="nearest",
-    )  # fmt: skip
-
-
-def add_motion(how: Options) -> None:
-    """Add the frame rate and the settings of motion."""
-    option(
-        how, "--fps N",
-        "frames per second, such as 24, 23.976 or 24000/1001 [the project's, or 60]",
-        type=parse_rate,
-    )  # fmt: skip
-    repeated(
-        how, "--set motion.NAME=VALUE",
-        "change a motion setting, or use a preset: --set motion=paper", dest="settings",
-    )  # fmt: skip
+def add_pair(made: Options) -> None:
+    """Add the options for the language and the character, and the pack search path."""
+    add_options(made, ["pair"])
 
 
 def add_values(made: Options) -> None:
     """Add the values of placeholders; the project supplies the default."""
-    made.set_defaults(unspoken=())
-    repeated(
-        made, "--value NAME=TEXT",
-        "speak this text for the placeholder [NAME], {NAME} or $NAME; may be repeated",
-        dest="values",
-    )  # fmt: skip
+    add_options(made, ["values"])
 
 
 def cleaning(options: Namespace) -> "Cleaning":
@@ -236,4 +157,4 @@ def cleaning(options: Namespace) -> "Cleaning":
         if not (name.strip() and equals):
             raise LipsyncError(f"--value {one}: write NAME=TEXT (--value player=Ada)")
         values[name.strip()] = value
-    return Cleaning(values, options.unspoken)
+    return Cleaning(values, tuple(options.unspoken))

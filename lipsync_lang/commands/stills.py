@@ -3,31 +3,21 @@
 import sys
 from argparse import Namespace
 from dataclasses import replace
-from pathlib import Path
 
 from lipsync_lang.base.errors import LipsyncError
-from lipsync_lang.base.files import argument_path, write_all
+from lipsync_lang.base.files import write_all
 from lipsync_lang.commands.output import SOUND, tell_written
 from lipsync_lang.commands.performing import perform_line, performer_for, schedule_for
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_line, flag, option
 
 
 @command("stills")
 def _add_stills(add: Add) -> None:
-    stills_ = add(
+    add(
         stills,
         "draw the model at given times, always from the same camera",
         'stills "Hello, world" -l english -c facefx --at 0.12,0.42 --close -o hello.png',
     )
-    add_line(stills_)
-    option(stills_, "--at SECONDS", "times of the schedule, separated by commas", required=True)
-    flag(stills_, "--close", "draw only the mouth")
-    option(stills_, "--model GLB", "draw this model instead of the character's own", type=Path)
-    option(
-        stills_, "-o, --output FILE", "write the sheet, as PNG; - is standard output",
-        type=argument_path, required=True,
-    )  # fmt: skip
 
 
 def stills(options: Namespace) -> int:

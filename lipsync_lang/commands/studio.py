@@ -4,10 +4,10 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lipsync_lang.commands.local_server import add_serving, serve
+from lipsync_lang.commands.local_server import serve
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_motion, add_pair, add_values, cleaning, option
+from lipsync_lang.commands.shared_options import cleaning
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -17,17 +17,11 @@ if TYPE_CHECKING:
 
 @command("studio")
 def _add_studio(add: Add) -> None:
-    studio_ = add(
+    add(
         studio,
         "open the studio in a browser: play, explain and edit a line",
         "studio -l english -c facefx",
     )
-    add_pair(studio_)
-    add_values(studio_)
-    studio_.set_defaults(choosing=True, gestures=None)
-    option(studio_, "--tts ENGINE", "speech engine; none is silent")
-    add_motion(studio_)
-    add_serving(studio_)
 
 
 def studio(options: Namespace) -> int:

@@ -3,35 +3,20 @@
 import sys
 from argparse import Namespace
 
-from lipsync_lang.base.files import argument_path
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of, listed
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import (
-    add_json,
-    add_language,
-    add_path,
-    add_values,
     cleaning,
-    option,
 )
 
 
 @command("transcribe")
 def _add_transcribe(add: Add) -> None:
-    transcribe_ = add(
+    add(
         transcribe,
         "show the phonemes and common phonemes of a text",
         'transcribe "Hello, world" -l english',
     )
-    transcribe_.add_argument("text", metavar="TEXT", nargs="?", help="the text to read")
-    option(
-        transcribe_, "--file FILE",
-        "read the lines of this file instead of a TEXT; - is standard input", type=argument_path,
-    )  # fmt: skip
-    add_language(transcribe_)
-    add_values(transcribe_)
-    add_path(transcribe_)
-    add_json(transcribe_)
 
 
 def transcribe(options: Namespace) -> int:

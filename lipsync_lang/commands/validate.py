@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from lipsync_lang.base.errors import count
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, working
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_path, flag
 from lipsync_lang.packs.project import FILE, find_project
 
 if TYPE_CHECKING:
@@ -18,21 +17,11 @@ if TYPE_CHECKING:
 
 @command("validate")
 def _add_validate(add: Add) -> None:
-    made = add(
+    add(
         validate,
         "list every fault of every pack found, or of the files given",
         "validate languages/finnish.yaml",
     )
-    told = "a pack or a folder; timings or a script, on which the project's formats are tried"
-    made.add_argument("paths", metavar="PATH", type=Path, nargs="*", help=told)
-    flag(
-        made, "--no-tests",
-        "skip the tests in language packs (built-in languages are tested only if named)",
-    )  # fmt: skip
-    flag(made, "--strict", "fail with warnings, too")
-    add_path(made)
-    made.set_defaults(in_project=False)  # the project itself is validated
-    add_json(made)
 
 
 def validate(options: Namespace) -> int:

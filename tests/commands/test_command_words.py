@@ -13,9 +13,9 @@ from lanes import full, needs_plug_ins
 import lipsync_lang as ll
 from lipsync_lang.base.extensions import PluginWarning
 from lipsync_lang.cli import saying
-from lipsync_lang.commands.completion import SHELLS
 from lipsync_lang.commands.parser import parser
 from lipsync_lang.commands.registry import leaves
+from lipsync_lang.commands.shared_options import option_sets
 
 SAYING = {path: made for path, made in leaves(parser()) if path}
 LINE = '[{"label": "HH", "start": 0, "end": 0.1}, {"label": "AY", "start": 0.1, "end": 0.3}]'
@@ -189,7 +189,7 @@ def test_a_shell_completes(cli, shell, typed, wanted, tmp_path):
     assert wanted in found, done
 
 
-@pytest.mark.parametrize("shell", SHELLS)
+@pytest.mark.parametrize("shell", option_sets()["completion"][0][2]["choices"])
 def test_every_shell_has_a_script_and_a_place_for_it(cli, shell, root):
     pytest.importorskip("shtab", reason="the completion extra is not installed")
     assert "lipsync-lang" in cli("completion", shell).out

@@ -268,7 +268,6 @@ EXEMPT = {
     ("commands/*", "finnish"): "the examples of --help can be typed as they stand",
     ("*/azure.py", "azure"): "the program's format and its notation have one name",
     ("*/live2d.py", "live2d"): "the program's format and its pose set have one name",
-    ("commands/*", "vrm"): "the suffix of files in the format",
     ("*/papagayo.py", "preston-blair"): "the notation that the format is in",
     ("*/polly.py", "polly"): "the program's format and its notation have one name",
     ("*/rhubarb.py", "rhubarb"): "the program's format and its notation have one name",
