@@ -54,6 +54,7 @@ NO_TARGET = {
     "authoring/copies.py": "copies packs, which are a target",
     "authoring/new_pack.py": "compares files it has written",
     "commands/output.py": "lines of plain text",
+    "commands/shared_options.py": "a table of our own",
     "commands/studio.py": "opens a pair by its name",
     "packs/project.py": "looks for one word; the project is a pack, which is a target",
     "packs/splicing.py": "packs, which are a target",
