@@ -14,7 +14,7 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.arrays import Ints
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.render.fonts import find_fonts, legible, letters_of, split_letters, warn_of
-from lipsync_lang.render.model.camera import close_up, framed
+from lipsync_lang.render.model.camera import close_up
 from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.model.scene import pillow
 from lipsync_lang.render.staging import staged, sweep
@@ -66,7 +66,7 @@ def moments(
             runs = f"which runs from {first:.3f} to {last:.3f} s"
             raise OutputError(f"{one:g} s is outside the animation, {runs}")
     scene, swept = staged(animation), staged(sweep(animation))
-    camera = close_up(swept) if close else framed(swept)
+    camera = close_up(swept) if close else None
     stills = [_still(animation.schedule, one) for one in seconds]
     _paste(stills, Artist(scene, CELL, camera, swept), scene.sound, out)
 
@@ -107,8 +107,7 @@ def _paste(stills: Sequence[Still], artist: Artist, start: float, out: BinaryIO)
     for place, (seconds, sound, word) in enumerate(stills):
         row, column = divmod(place, columns)
         left, top = EDGE + column * (CELL + GAP), EDGE + row * (CELL + FOOT)
-        picture = artist.draw(seconds + start)
-        page.paste(image.fromarray(picture), (left, top))
+        page.paste(image.fromarray(artist.draw(seconds + start)), (left, top))
         caption = top + CELL
         _write(draw, (left, caption + 4), _plain(sound, 12), 20, INK)
         if shown := _plain(word, 24):

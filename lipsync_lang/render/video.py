@@ -20,7 +20,6 @@ from lipsync_lang.animations.writers.wav import write_samples
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.terminal import progress, wipe
-from lipsync_lang.render.model.camera import framed
 from lipsync_lang.render.model.picture import Artist, Pixels
 from lipsync_lang.render.model.scene import pillow
 from lipsync_lang.render.staging import staged, sweep
@@ -84,7 +83,7 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
     # A product such as 2.9999 counts as 3.
     count = math.floor(seconds * animation.fps + 1e-3) + 1
     widest = staged(sweep(framing)) if framing is not None else None
-    artist = Artist(scene, size, None if widest is None else framed(widest), widest)
+    artist = Artist(scene, size, widest=widest)
     with TemporaryDirectory(prefix="lipsync-lang-") as folder:
         path, sound = Path(folder) / f"film.{kind}", Path(folder) / "sound.wav"
         rate = Fraction(animation.fps).limit_denominator(1001)

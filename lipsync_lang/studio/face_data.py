@@ -21,7 +21,7 @@ from lipsync_lang.faces.rigs.model import movable_nodes
 from lipsync_lang.render.model import light
 from lipsync_lang.render.model.camera import FIELD_DEGREES, Camera, close_up, framed
 from lipsync_lang.render.model.picture import BEHIND
-from lipsync_lang.render.model.scene import Primitive, Scene
+from lipsync_lang.render.model.scene import NODE_REST, Primitive, Scene
 from lipsync_lang.render.staging import staged, sweep
 from lipsync_lang.studio.array_pack import ArrayPack
 
@@ -123,13 +123,8 @@ def _face(animation: Animation, scene: Scene, pack: ArrayPack) -> Json:
 
 
 def _camera(camera: Camera) -> Json:
-    return {
-        "middle": camera.middle.tolist(),
-        "turn": camera.turn.tolist(),
-        "distance": camera.distance,
-        "half": camera.half,
-        "field": FIELD_DEGREES,
-    }
+    fields = {name: np.asarray(value).tolist() for name, value in vars(camera).items()}
+    return fields | {"field": FIELD_DEGREES}
 
 
 def _nodes(scene: Scene, animation: Animation) -> list[Json]:
@@ -143,17 +138,12 @@ def _nodes(scene: Scene, animation: Animation) -> list[Json]:
     for number, parent in scene.order.items():
         node = scene.document["nodes"][number]
         own = moves.get(movable.get(number, ""))
-        row: Json = {"parent": -1 if parent is None else rank[parent]}
+        shown: Json = {"matrix": scene.gltf.local(number).ravel().tolist()}
         if own:
-            row |= {
-                "moves": own,
-                "translation": node.get("translation", [0, 0, 0]),
-                "rotation": node.get("rotation", [0, 0, 0, 1]),
-                "scale": node.get("scale", [1, 1, 1]),
+            shown = {"moves": own} | {
+                name: node.get(name, value) for name, value in NODE_REST.items()
             }
-        else:
-            row["matrix"] = scene.gltf.local(number).ravel().tolist()
-        rows.append(row)
+        rows.append({"parent": -1 if parent is None else rank[parent]} | shown)
     return rows
 
 

@@ -374,6 +374,48 @@ def test_no_gap_opens_between_what_moves_and_what_stands_still(tmp_path):
     assert (red == blue).all(), "the backdrop is not seen"
 
 
+def nodding(folder, frames):
+    """A hill that a shape lifts, on a head that nods in front of a wall: both in each frame."""
+    place, maker = np.linspace(-1, 1, 9), Maker()
+    points = np.array([(x, y, 0.3 - (x * x + y * y) / 8) for y in place for x in place])
+    corner = np.array([9 * row + column for row in range(8) for column in range(8)])
+    corners = [corner, corner + 1, corner + 10, corner, corner + 10, corner + 9]
+    lifted = 0.3 * (0.4 - np.linalg.norm(points[:, :2], axis=1)).clip(0)[:, None] * (0, 1, 1)
+    faces = maker.array(np.stack(corners, axis=1).ravel(), "<u2")
+    hill = {"POSITION": maker.array(points)}
+    maker.mesh(hill, ["up"], [{"POSITION": maker.array(lifted)}], indices=faces)
+    maker.mesh({"POSITION": maker.array(np.array(SQUARE) * 0.8 + (0.3, 0.3, -0.2))})
+    maker.document["nodes"] = [{"name": "head", "children": [1]}, {"mesh": 0}, {"mesh": 1}]
+    maker.document["scenes"] = [{"nodes": [0, 2]}]
+    channels = Channel("up"), Channel("nod", node="head", rotation=(1, 0, 0))
+    line = animation_of(maker.write(folder / "a.glb"), *channels, values=range(len(frames)))
+    return staged(replace(line, weights=np.array(frames, float)))
+
+
+@given(
+    st.lists(
+        st.tuples(st.sampled_from([0, 0.2, 1]), st.sampled_from([0, 0, 0, -9, 20])),
+        min_size=3,
+        max_size=9,
+    )
+)
+def test_a_frame_is_the_same_whatever_was_drawn_before_it(tmp_path, frames):
+    scene = nodding(tmp_path, frames)
+    artist, whole = Artist(scene, SIZE), Artist(scene, SIZE)
+    whole._calm = whole._usual  # noqa: SLF001
+    for at in np.arange(0, len(frames), 0.5) / FPS:
+        np.testing.assert_array_equal(artist.draw(at), whole.draw(at))
+
+
+def test_between_two_nods_only_what_shapes_move_is_drawn_anew(tmp_path):
+    artist = Artist(nodding(tmp_path, [(0, 0), (1, 0), (0.3, 0), (0.5, 9), (1, 0)]), SIZE)
+    assert 0 < len(artist._calm.triangles) < len(artist._usual.triangles)  # noqa: SLF001
+    artist._usual = None  # noqa: SLF001
+    assert (artist.draw(1 / FPS) != artist.draw(2 / FPS)).any()
+    with pytest.raises(AttributeError):
+        artist.draw(3 / FPS)
+
+
 @pytest.mark.parametrize(("rotation", "front"), [([0, 0, 0, 1], 1), ([0, 1, 0, 0], -1)])
 def test_a_face_is_looked_at_from_its_front(tmp_path, rotation, front):
     maker = Maker()
@@ -427,9 +469,9 @@ def spoken():
     audio = ll.Audio(noise, RATE)
     schedule = ll.Schedule(LABELS, times, words, notation="arpabet", audio=audio)
 
-    def perform(character):
+    def perform(character, **how):
         performer = ll.resolve("english", character)
-        return performer.rigged(performer.perform(schedule, fps=FPS))
+        return performer.rigged(performer.perform(schedule, fps=FPS, **how))
 
     return perform
 
@@ -459,6 +501,22 @@ def test_only_what_moves_is_drawn_anew_and_it_looks_the_same(spoken):
     changed = (artist.draw(0.6) != artist.draw(0.0)).any(axis=2)
     assert changed[SIZE // 2 :].any()
     assert not changed[: SIZE // 3].any(), "the brow stays where it is"
+
+
+@full
+@pytest.mark.parametrize("character", ["facefx", "crab"])
+def test_the_frames_of_a_head_that_nods_now_and_then_are_the_same(spoken, character):
+    animation = spoken(character, gestures="all")
+    weights = animation.weights.copy()
+    bones = [number for number, one in enumerate(animation.columns) if one.node is not None]
+    weights[:, bones] = 0
+    weights[10:16, bones] = 3
+    scene = staged(replace(animation, weights=weights))
+    artist, whole = Artist(scene, SIZE), Artist(scene, SIZE)
+    assert len(artist._calm.triangles) < len(artist._usual.triangles)  # noqa: SLF001
+    whole._calm = whole._usual  # noqa: SLF001
+    for seconds in np.arange(len(weights)) / FPS:
+        np.testing.assert_array_equal(artist.draw(seconds), whole.draw(seconds))
 
 
 @full

@@ -73,11 +73,12 @@ class Normals:
         """Compute the (V, 3) normals at given point positions."""
         return unit(self._smooth(points) + self._change)
 
-    def around(self, triangles: Ints) -> Bools:
-        """Mask the (V,) points whose normals change with the given moving triangles."""
+    def around(self, moving: Bools) -> Ints:
+        """Find the triangles that look different if some of (V,) points move."""
+        owners = self._group[self._corners]
         turned: Bools = np.zeros(len(self._group), bool)
-        turned[self._group[triangles]] = True
-        return turned[self._group]
+        turned[owners[moving[self._corners].any(axis=1)]] = True
+        return np.flatnonzero(turned[owners].any(axis=1))
 
     def _smooth(self, points: Floats) -> Floats:
         """Average the triangle normals around each point, weighted by area."""
@@ -106,25 +107,24 @@ def unit(vectors: Floats) -> Floats:
     return vectors / np.where(lengths > 0, lengths, 1.0)
 
 
-def lit(normals: Floats, gloss: Floats) -> tuple[Floats, Floats]:
+def lit(normals: Floats, gloss: Floats) -> Floats:
     """Compute the light that surfaces scatter and reflect, from (n, 3) normals in eye axes.
 
-    Of (n,) gloss in [0, 1], returns (n, 3) diffuse light, to be multiplied by the surface colour,
-    and (n, 1) white specular light.
+    Of (n,) gloss in [0, 1], returns (n, 4): diffuse light, to be multiplied by the surface colour,
+    and white specular light.
     """
-    up = normals[:, 1:2] / 2 + 0.5
-    scattered = GROUND + (SKY - GROUND) * up
-    shine = np.zeros((len(normals), 1))
+    light = np.zeros((len(normals), 4))
+    light[:, :3] = GROUND + (SKY - GROUND) * (normals[:, 1:2] / 2 + 0.5)
     for lamp in LAMPS:
         way = np.array(lamp.way) / np.linalg.norm(lamp.way)
         facing = ((normals @ way + lamp.wrap) / (1 + lamp.wrap)).clip(0)
-        scattered = scattered + facing[:, None] * np.array(lamp.colour)
+        light[:, :3] += facing[:, None] * np.array(lamp.colour)
         if lamp.shine:
             # Blinn's half vector, with the eye far away in front.
             half = unit((way + np.array([0, 0, 1]))[None])[0]
             power = 2 + SHARPEST * gloss**2
-            shine[:, 0] += lamp.shine * gloss * (normals @ half).clip(0) ** power
-    return scattered, shine
+            light[:, 3] += lamp.shine * gloss * (normals @ half).clip(0) ** power
+    return light
 
 
 def openness(scene: Scene, camera: Camera) -> Floats:

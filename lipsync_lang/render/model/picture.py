@@ -1,7 +1,8 @@
 """Pictures of a model: (size, size, 3) sRGB.
 
 Each pixel is the mean of `FINE` by `FINE` samples. Still geometry is drawn once. The cost of a
-frame is therefore that of the moving triangles: in speech, those around the mouth.
+frame is therefore that of the moving triangles: in speech, those around the mouth. While a head
+nods, they are all; between two nods, those around the mouth again.
 """
 
 from collections.abc import Callable, Iterator
@@ -55,38 +56,53 @@ class Faces(NamedTuple):
     """(3, k, n) planes: diffuse light (3), specular light, texture coordinates (3)."""
 
 
+class Ground(NamedTuple):
+    """Geometry that stands still, drawn once, and the triangles to draw over it."""
+
+    triangles: Ints
+    keys: DepthKeys
+    light: Singles
+    pixels: Pixels
+
+
 class Artist:
     """Renderer of a scene.
 
-    `size` is the side of the picture in pixels. By default, the camera frames the scene, and
-    ambient light is judged by the scene's own movement; `widest` is another one of the model.
+    `size` is the side of the picture in pixels. By default, the camera frames the scene. It, and
+    ambient light, are judged by the scene's own movement; `widest` is another one of the model.
     """
 
     def __init__(
         self, scene: Scene, size: int, camera: Camera | None = None, widest: Scene | None = None
     ) -> None:
         self._scene, self._fine = scene, size * FINE
-        self._camera, self._normals = camera or framed(scene), Normals(scene)
+        self._camera, self._normals = camera or framed(widest or scene), Normals(scene)
         self._double = self._each(lambda material: material.double)
         self._cut = self._each(lambda material: material.cutoff > 0)
         self._textured = self._each(lambda material: material.texture is not None)
-        self._gloss, self._lit = np.zeros(scene.count), np.ones(scene.count, bool)
+        self._gloss, self._lit = np.zeros(scene.count), np.ones((scene.count, 1), bool)
         for number, material in enumerate(scene.materials):
             own = scene.triangles[scene.material == number]
             self._gloss[own], self._lit[own] = material.gloss, material.lit
-        self._open = openness(widest or scene, self._camera)
-        moving = scene.moving[scene.triangles].any(axis=1)
-        bent = self._normals.around(scene.triangles[moving])
-        self._moving = bent[scene.triangles].any(axis=1)
-        # Geometry that never moves is drawn once, in front of the background.
-        ground = np.linspace(ABOVE, BELOW, self._fine).T[..., None]
-        light = np.broadcast_to(ground, (3, self._fine, self._fine))
-        self._light = light.astype(np.float32)
-        self._keys = np.zeros((self._fine, self._fine), np.uint64)
-        still = self._faces(0.0, np.flatnonzero(~self._moving))
-        whole = Window(0, 0, self._fine, self._fine)
-        self._keys, self._light = self._drawn(still, whole)
-        self._pixels = _pixels(self._light)
+        self._open = openness(widest or scene, self._camera)[:, None]
+        self._colours = np.hstack([scene.colours[:, :3], np.ones((scene.count, 1))])
+        self._usual = self._ground(scene.moving)
+        off = sorted(((points != scene.rest).any(axis=1) for points in scene.moments), key=np.sum)
+        shaped = np.concatenate([part.deltas.any(axis=(0, 2)) for part in scene.parts])
+        # What shapes move, or what moves in the calmer half of the moments: all but a nod.
+        self._busy = (shaped | np.any(off[: len(off) // 2], axis=0)) & scene.moving
+        same = (self._busy == scene.moving).all()
+        self._calm = self._usual if same else self._ground(self._busy)
+
+    def _ground(self, moving: Bools) -> Ground:
+        """Draw what stands still while only some points move, in front of the background."""
+        moved, side = self._normals.around(moving), self._fine
+        still = np.setdiff1d(np.arange(len(self._scene.triangles)), moved)
+        shade = np.linspace(ABOVE, BELOW, side, dtype=np.float32).T[..., None]
+        keys, light = np.zeros((side, side), np.uint64), np.broadcast_to(shade, (3, side, side))
+        faces = self._faces(self._scene.rest, still)
+        drawn = self._drawn(faces, Window(0, 0, side, side), keys, light)
+        return Ground(moved, *drawn)
 
     def _each(self, of: Callable[[Material], bool]) -> Bools:
         """Evaluate a property of the material for each triangle: (F,)."""
@@ -94,24 +110,24 @@ class Artist:
 
     def draw(self, seconds: float) -> Pixels:
         """Draw one frame."""
-        faces = self._faces(seconds, np.flatnonzero(self._moving))
-        pixels = self._pixels.copy()
-        window = Window(0, 0, 0, 0)
-        if len(faces.names):  # the smallest window of whole pixels around the triangles
-            low = faces.corners.min(axis=(0, 1)) // FINE * FINE
-            high = -(-faces.corners.max(axis=(0, 1)) // FINE) * FINE + FINE
-            sides = np.concatenate([low, high]).clip(0, self._fine).astype(int)
-            window = Window(*sides.tolist())
-        _, light = self._drawn(faces, window)
+        scene = self._scene
+        # Points that count as still stand still, or gaps would open to the still geometry.
+        points = np.where(scene.moving[:, None], scene.points(seconds), scene.rest)
+        off = (points != scene.rest).any(axis=1)
+        ground = self._usual if (off & ~self._busy).any() else self._calm
+        faces = self._faces(points, ground.triangles)
+        pixels = ground.pixels.copy()
+        # The smallest window of whole pixels around the triangles; empty without any.
+        low = faces.corners.min(axis=(0, 1), initial=self._fine) // FINE * FINE
+        high = -(-faces.corners.max(axis=(0, 1), initial=0) // FINE) * FINE + FINE
+        window = Window(*np.concatenate([low, high]).clip(0, self._fine).astype(int).tolist())
         left, top, right, bottom = (side // FINE for side in window)
-        pixels[top:bottom, left:right] = _pixels(light)
+        *_, pixels[top:bottom, left:right] = self._drawn(faces, window, ground.keys, ground.light)
         return pixels
 
-    def _faces(self, seconds: float, names: Ints) -> Faces:
+    def _faces(self, points: Floats, names: Ints) -> Faces:
         """Project triangles and keep the visible ones."""
         scene = self._scene
-        # points that count as still stand still, or gaps would open to the still geometry
-        points = np.where(scene.moving[:, None], scene.points(seconds), scene.rest)
         flat, near = self._camera.see(points, self._fine)
         triangles = scene.triangles[names]
         corners, depth = flat[triangles], near[triangles]
@@ -127,19 +143,12 @@ class Artist:
     def _looks(self, points: Floats, names: Ints, depth: Floats, behind: Bools) -> Floats:
         """Compute the (n, 3, k) appearance at the corners of triangles."""
         scene = self._scene
-        normals = self._normals.at(points) @ self._camera.turn
-        triangles = scene.triangles[names]
-        used, place = np.unique(triangles, return_inverse=True)
-        place = place.reshape(triangles.shape)
-        sides = [lit(side * normals[used], self._gloss[used]) for side in (1, -1)]
-        coloured, white = (
-            np.where(behind[:, None, None], BEHIND * back[place], front[place])
-            for front, back in zip(*sides, strict=True)
-        )
-        dull = ~self._lit[triangles][..., None]
-        coloured, white = (self._open[triangles][..., None] * one for one in (coloured, white))
-        coloured, white = np.where(dull, 1.0, coloured), np.where(dull, 0.0, white)
-        parts = [coloured * scene.colours[triangles][..., :3], white]
+        triangles, normals = scene.triangles[names], self._normals.at(points) @ self._camera.turn
+        sides = [lit(normals, self._gloss), BEHIND * lit(-normals, self._gloss)]
+        # Surfaces that ignore lamps scatter everything, and reflect nothing.
+        sides = [np.where(self._lit, self._open * side, (1, 1, 1, 0)) for side in sides]
+        front, back = (self._colours * side for side in sides)
+        parts = [np.where(behind[:, None, None], back[triangles], front[triangles])]
         if self._textured.any():
             near = depth[..., None]
             # Divided by the distance, texture coordinates are linear on the picture; a sample
@@ -147,10 +156,12 @@ class Artist:
             parts += [scene.places[triangles] * near, near]
         return np.concatenate(parts, axis=2)
 
-    def _drawn(self, faces: Faces, window: Window) -> tuple[DepthKeys, Singles]:
-        """Composite moving triangles with the still picture in a window, by depth."""
+    def _drawn(
+        self, faces: Faces, window: Window, keys: DepthKeys, light: Singles
+    ) -> tuple[DepthKeys, Singles, Pixels]:
+        """Composite triangles with the still picture in a window, by depth."""
         rows, columns = slice(window.top, window.bottom), slice(window.left, window.right)
-        still, light = self._keys[rows, columns], self._light[:, rows, columns].copy()
+        still, light = keys[rows, columns], light[:, rows, columns].copy()
         keys = still.copy()
         flat, pixels = keys.reshape(-1), light.reshape(3, -1)
         cut = self._cut[faces.names]
@@ -172,7 +183,7 @@ class Artist:
             for one, _, texels in self._texels(faces, samples):
                 looks[:3, one] *= LINEAR_LIGHT[texels[:, :3]].T
             pixels[:, place] = looks[:3] + looks[3]
-        return keys, light
+        return keys, light, _pixels(light)
 
     def _opaque(self, faces: Faces, own: Ints, samples: Samples) -> Bools:
         """Mask the samples of triangles with alpha above their materials' cutoff."""

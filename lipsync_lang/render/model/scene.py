@@ -45,6 +45,9 @@ MIN_MOVEMENT = 3e-4
 LOOKS = {"NORMAL": {3}, "COLOR_0": {3, 4}, "TEXCOORD_0": {2}}
 """Vertex attributes for appearance, with their numbers of components."""
 
+NODE_REST = {"translation": [0, 0, 0], "rotation": [0, 0, 0, 1], "scale": [1, 1, 1]}
+"""Position of a node that states none."""
+
 MOMENTS = 24
 """Number of times sampled to find moving points."""
 
@@ -88,8 +91,7 @@ class Gltf:
         node = self.document["nodes"][number]
         if "matrix" in node:
             return np.reshape(np.array(node["matrix"], float), (4, 4))
-        rest = {"translation": (0, 0, 0), "rotation": (0, 0, 0, 1), "scale": (1, 1, 1)}
-        own = {name: np.array(node.get(name, value), float) for name, value in rest.items()}
+        own = {name: np.array(node.get(name, value), float) for name, value in NODE_REST.items()}
         own |= moved
         v, s = own["rotation"][:3], own["rotation"][3]
         # Rodrigues' formula of a quaternion, transposed: points are rows here.
@@ -417,19 +419,20 @@ class Scene:
         return found
 
     @cached_property
-    def moves(self) -> Floats:
-        """(V,) maximum distance of each point from rest, estimated at a few times."""
-        far = np.max([np.abs(self.points(t) - self.rest) for t in self._moments], axis=(0, 2))
-        return far if far.any() else far + 1.0
+    def moments(self) -> list[Floats]:
+        """(V, 3) positions at `MOMENTS` times from start to end."""
+        return [self.points(float(time)) for time in np.linspace(0.0, self.seconds, MOMENTS)]
 
     @cached_property
-    def widest(self) -> Floats:
-        """(V, 3) positions at the time of the largest total movement."""
-        return max(map(self.points, self._moments), key=lambda p: np.abs(p - self.rest).sum())
+    def moves(self) -> Floats:
+        """(V,) maximum distance of each point from rest, estimated at a few times."""
+        far = np.max([np.abs(points - self.rest).max(axis=1) for points in self.moments], axis=0)
+        return far if far.any() else far + 1.0
 
     @property
-    def _moments(self) -> list[float]:
-        return [float(moment) for moment in np.linspace(0.0, self.seconds, MOMENTS)]
+    def widest(self) -> Floats:
+        """(V, 3) positions at the time of the largest total movement."""
+        return max(self.moments, key=lambda points: np.abs(points - self.rest).sum())
 
 
 def _moved(
