@@ -6,7 +6,7 @@ from argparse import Namespace
 from lipsync_lang.base.files import STANDARD_STREAM, atomic
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.performing import plot_kind
-from lipsync_lang.commands.registry import Add, command, family
+from lipsync_lang.commands.registry import family, handler
 
 SHOWN = 8
 """Limits on printed remarks per kind and on bigrams listed by a comparison."""
@@ -18,35 +18,12 @@ family(
 )  # fmt: skip
 
 
-@command("bank draft")
-def _add_draft(action: Add) -> None:
-    action(
-        draft,
-        "draft bigrams from a pose set's targets",
-        "bank draft -l english -c facefx --write l-ow h-eh",
-        more=", as YAML to look at or to edit",
-    )
-
-
-@command("bank show")
-def _add_show(action: Add) -> None:
-    action(
-        show,
-        "show bigrams as a character performs them, drawn or drafted",
-        "bank show f-ah -l english -c facefx --plot f-ah.png",
-    )
-
-
-@command("bank diff")
-def _add_diff(action: Add) -> None:
-    action(
-        diff,
-        "show which bigrams a character's layers change, and by how much",
-        "bank diff -l english -c facefx --plot changes.png",
-        more="; without --against, a pose set's banks are compared with its drafts",
-    )
-
-
+@handler(
+    "bank draft",
+    "draft bigrams from a pose set's targets",
+    "bank draft -l english -c facefx --write l-ow h-eh",
+    more=", as YAML to look at or to edit",
+)
 def draft(options: Namespace) -> int:
     """Draft bigrams; print them as YAML, or put them into a bank or a character."""
     from lipsync_lang.packs.banks.write import bigrams_yaml, write_drafts
@@ -62,6 +39,11 @@ def draft(options: Namespace) -> int:
     return SOUND
 
 
+@handler(
+    "bank show",
+    "show bigrams as a character performs them, drawn or drafted",
+    "bank show f-ah -l english -c facefx --plot f-ah.png",
+)
 def show(options: Namespace) -> int:
     """Show bigrams: their source, their control points, and a picture."""
     from lipsync_lang.packs.library import Library
@@ -79,6 +61,12 @@ def show(options: Namespace) -> int:
     return SOUND
 
 
+@handler(
+    "bank diff",
+    "show which bigrams a character's layers change, and by how much",
+    "bank diff -l english -c facefx --plot changes.png",
+    more="; without --against, a pose set's banks are compared with its drafts",
+)
 def diff(options: Namespace) -> int:
     """Show what a layer changes."""
     from lipsync_lang.packs.library import Library

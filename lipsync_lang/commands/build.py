@@ -16,7 +16,7 @@ from lipsync_lang.base.errors import LipsyncError, count, shortlist
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.terminal import progress, wipe
 from lipsync_lang.commands.output import FAULTS, SOUND, as_options
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import handler
 from lipsync_lang.packs.project import find_project, load_project
 from lipsync_lang.production.builds.unchanged import FOLDER, BuildLog, answer, pages_folder
 
@@ -150,11 +150,7 @@ def _folders(options: Namespace) -> list[Path]:
     return [path for path in found if path.exists()]
 
 
-@command("build")
-def _add_build(add: Add) -> None:
-    add(build, "make all lines of a script, and then only the changed ones", "build --dry-run")
-
-
+@handler("build", "make all lines of a script, and then only the changed ones", "build --dry-run")
 def build(options: Namespace) -> int:
     """Make the lines that changed since the last build, and report on all lines."""
     if options.watch:

@@ -10,7 +10,7 @@ from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files import write_all
 from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
 from lipsync_lang.commands.performing import LINE_PAGE, perform_line, performer_for, schedule_for
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import handler
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,15 +23,11 @@ SUFFIXES = {".json": "json", ".xml": "junit", ".html": LINE_PAGE}
 """Format of a file by its suffix; all other files are text."""
 
 
-@command("check")
-def _add_check(add: Add) -> None:
-    add(
-        check,
-        "measure the quality of an animation, and compare it with limits",
-        'check "Hello, world" -l english -c facefx --baseline',
-    )
-
-
+@handler(
+    "check",
+    "measure the quality of an animation, and compare it with limits",
+    'check "Hello, world" -l english -c facefx --baseline',
+)
 def check(options: Namespace) -> int:
     """Print the figures of an animation; a figure past its limit is a fault."""
     from lipsync_lang.reports.quality.baselines import BASELINES

@@ -6,21 +6,17 @@ from pathlib import Path
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.commands.output import SOUND
-from lipsync_lang.commands.registry import Add, command, leaves
+from lipsync_lang.commands.registry import handler, leaves
 
 FILE_PLACEHOLDERS = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB", "ANSWERS"}
 """Placeholders of file arguments."""
 
 
-@command("completion")
-def _add_completion(add: Add) -> None:
-    add(
-        completion,
-        "print a script that completes commands, options and names in a shell",
-        "completion bash > ~/.local/share/bash-completion/completions/lipsync-lang",
-    )
-
-
+@handler(
+    "completion",
+    "print a script that completes commands, options and names in a shell",
+    "completion bash > ~/.local/share/bash-completion/completions/lipsync-lang",
+)
 def completion(options: Namespace) -> int:
     """Print a script that completes commands, options, files, and names of packs found now."""
     try:

@@ -20,7 +20,7 @@ from lipsync_lang.base.errors import MAX_KNOWN, LipsyncError, OutputError, short
 from lipsync_lang.base.files import STANDARD_STREAM, write_all
 from lipsync_lang.base.terminal import progress, wipe
 from lipsync_lang.commands.output import FAULTS, SOUND, as_options, tell_written
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import handler
 from lipsync_lang.commands.shared_options import (
     cleaning,
 )
@@ -44,15 +44,11 @@ WORD = "{language}"
 """Placeholder of the project's scripts and columns."""
 
 
-@command("coverage")
-def _add_coverage(add: Add) -> None:
-    add(
-        coverage,
-        "show which bigrams a script needs, and what to author next",
-        "coverage script.txt -l english -c facefx",
-    )
-
-
+@handler(
+    "coverage",
+    "show which bigrams a script needs, and what to author next",
+    "coverage script.txt -l english -c facefx",
+)
 def coverage(options: Namespace) -> int:
     """Count a corpus and print what it needs; too little authored is a fault."""
     from lipsync_lang.reports.coverage.changes import read_document, since

@@ -15,14 +15,10 @@ from lipsync_lang.commands.doctor_checks import (
     CheckedPart,
 )
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, working
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import handler
 
 
-@command("doctor")
-def _add_doctor(add: Add) -> None:
-    add(doctor, "check the installation, and say how to mend it", "doctor")
-
-
+@handler("doctor", "check the installation, and say how to mend it", "doctor")
 def doctor(options: Namespace) -> int:
     """Print the state of every part; parts that are broken or that the project lacks are faults."""
     start = perf_counter()

@@ -4,19 +4,15 @@ from argparse import Namespace
 
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.performing import perform
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import handler
 
 
-@command("explain")
-def _add_explain(add: Add) -> None:
-    add(
-        explain,
-        "explain the weight of each pose at a time",
-        'explain "Hello, world" -l english -c facefx --at 0.42',
-        more="; in the folder of a project, --line alone explains the line of its script",
-    )
-
-
+@handler(
+    "explain",
+    "explain the weight of each pose at a time",
+    'explain "Hello, world" -l english -c facefx --at 0.42',
+    more="; in the folder of a project, --line alone explains the line of its script",
+)
 def explain(options: Namespace) -> int:
     """Explain one frame."""
     explanation = perform(options).explain(options.at)

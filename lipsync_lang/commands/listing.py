@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.commands.output import SOUND, as_json
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import handler
 
 if TYPE_CHECKING:
     from lipsync_lang.base.extensions import Formats
@@ -15,16 +15,7 @@ SHOWN = 4
 """Maximum number of suffixes per printed line."""
 
 
-@command("voices")
-def _add_voices(add: Add) -> None:
-    add(voices, "list the voices that speak text", "voices")
-
-
-@command("formats")
-def _add_formats(add: Add) -> None:
-    add(formats, "list the formats that can be read and written", "formats")
-
-
+@handler("voices", "list the voices that speak text", "voices")
 def voices(options: Namespace) -> int:
     """Print the voices of a speech engine."""
     from lipsync_lang.base.presentation.text_table import columns
@@ -35,6 +26,7 @@ def voices(options: Namespace) -> int:
     return SOUND
 
 
+@handler("formats", "list the formats that can be read and written", "formats")
 def formats(options: Namespace) -> int:
     """Print every registered reader and writer, and the formats of the project."""
     from lipsync_lang.animations.animation_readers import ANIMATION_READERS

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.commands.local_server import serve
 from lipsync_lang.commands.output import SOUND
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import handler
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp
@@ -30,16 +30,12 @@ MAX_LINE_BYTES = 64 * 1024
 """Maximum number of bytes of a line of standard input; a longer line is split."""
 
 
-@command("live")
-def _add_live(add: Add) -> None:
-    add(
-        live,
-        "speak typed sentences or follow a voice, and send frames to an engine in real time",
-        'live "Hello, world" -l english -c facefx --to vmc:127.0.0.1:39539\n'
-        "  lipsync-lang live --audio mic -c facefx --to vmc:127.0.0.1:39539",
-    )
-
-
+@handler(
+    "live",
+    "speak typed sentences or follow a voice, and send frames to an engine in real time",
+    'live "Hello, world" -l english -c facefx --to vmc:127.0.0.1:39539\n'
+    "  lipsync-lang live --audio mic -c facefx --to vmc:127.0.0.1:39539",
+)
 def live(options: Namespace) -> int:
     """Send frames of texts and voices in real time when they arrive, until the input ends."""
     if options.choosing:

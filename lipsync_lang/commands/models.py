@@ -5,23 +5,19 @@ from argparse import Namespace
 
 from lipsync_lang.base.errors import count
 from lipsync_lang.commands.output import FAULTS, SOUND, listening, tell_written
-from lipsync_lang.commands.registry import Add, command, family
+from lipsync_lang.commands.registry import family, handler
 
 ADAPT_EXAMPLE = "models adapt vo/anna -l english -o models/anna"
 
 family("models", "adapt an acoustic model to the voices of a game", ADAPT_EXAMPLE)
 
 
-@command("models adapt")
-def _add_adapt(action: Add) -> None:
-    action(
-        adapt,
-        "adapt an acoustic model to recordings and their texts",
-        ADAPT_EXAMPLE,
-        more=", without labels; it is written only if held-out lines become likelier",
-    )
-
-
+@handler(
+    "models adapt",
+    "adapt an acoustic model to recordings and their texts",
+    ADAPT_EXAMPLE,
+    more=", without labels; it is written only if held-out lines become likelier",
+)
 def adapt(options: Namespace) -> int:
     """Adapt a model, and write it if it gains."""
     from lipsync_lang.sound.speech.hearing.adaptation import adapt, spoken_files, write_adapted

@@ -8,19 +8,15 @@ from lipsync_lang.base.errors import LipsyncError, count
 from lipsync_lang.base.files import write_all
 from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
 from lipsync_lang.commands.parser import lacking
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import handler
 from lipsync_lang.packs.project import FILE
 
 
-@command("new")
-def _add_new(add: Add) -> None:
-    add(
-        new,
-        "make a project: a new folder, or the project file of your script and recordings",
-        "new my-game -l finnish",
-    )
-
-
+@handler(
+    "new",
+    "make a project: a new folder, or the project file of your script and recordings",
+    "new my-game -l finnish",
+)
 def new(options: Namespace) -> int:
     """Make a project folder, copy an example, or write the project file of a script."""
     if options.example is not None:

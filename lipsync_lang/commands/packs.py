@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from lipsync_lang.base.errors import LipsyncError, count
 from lipsync_lang.base.files import write_all
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of, tell_written, working
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import handler
 
 if TYPE_CHECKING:
     from lipsync_lang.authoring.new_pack import PackDraft
@@ -16,22 +16,11 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
 
 
-@command("languages")
-def _add_languages(add: Add) -> None:
-    title = "list language packs, show one, check one, or draft a new one"
-    add(packs, title, "languages list")
-
-
-@command("posesets")
-def _add_posesets(add: Add) -> None:
-    add(packs, "list pose sets, show one, or draft a new one", "posesets list")
-
-
-@command("characters")
-def _add_characters(add: Add) -> None:
-    add(packs, "list characters, show one, or draft one from a model", "characters list")
-
-
+@handler(
+    "languages", "list language packs, show one, check one, or draft a new one", "languages list"
+)
+@handler("posesets", "list pose sets, show one, or draft a new one", "posesets list")
+@handler("characters", "list characters, show one, or draft one from a model", "characters list")
 def packs(options: Namespace) -> int:
     """List packs of a kind, shadowed ones included, or show one."""
     from lipsync_lang.packs import describe

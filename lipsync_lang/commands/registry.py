@@ -1,9 +1,8 @@
 """Registry of commands, and the functions that add them to the parser.
 
-A command is one module: its help and its handler; `options.json` has its options. The function
-that adds it is registered under the command's name; a name such as `bank fit` is an action of a
-command. A distribution adds a command by an entry point of the group `lipsync_lang.commands`, and
-its options in code.
+A command of the program is a `handler` with its help; `options.json` has its options. A command of
+a distribution is a function that adds it with its options, under `command`, and an entry point of
+the group `lipsync_lang.commands`. A name such as `bank fit` is an action of a command.
 """
 
 import argparse
@@ -27,7 +26,7 @@ class Add(Protocol):
     ) -> argparse.ArgumentParser: ...
 
 
-AddCommand = Callable[[Add], None]
+AddCommand = Callable[[Add], object]
 
 SHARED_MODULES = {
     "languages": "packs", "posesets": "packs", "characters": "packs", "voices": "listing",
@@ -61,6 +60,20 @@ def command(name: str) -> Callable[[AddCommand], AddCommand]:
     ...     add(lambda options: print("Hello") or 0, "say hello", "greet")
     """
     return COMMANDS.register(name)
+
+
+def handler(name: str, title: str, example: str, *, more: str = "") -> Callable[[Handler], Handler]:
+    """Register the decorated function as the handler of a command, or of an action.
+
+    `title` is its line in the help of all commands, `more` goes on from it in its own help, and
+    `example` are arguments.
+    """
+
+    def register(handle: Handler) -> Handler:
+        COMMANDS.add(name, lambda add: add(handle, title, example, more=more), handle.__module__)
+        return handle
+
+    return register
 
 
 def add_command(known: "Subparsers[argparse.ArgumentParser]", name: str) -> None:

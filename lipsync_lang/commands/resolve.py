@@ -4,18 +4,14 @@ from argparse import Namespace
 from dataclasses import asdict
 
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import handler
 
 
-@command("resolve")
-def _add_resolve(add: Add) -> None:
-    add(
-        resolve,
-        "show the layer of each part of a language-character pair, and its gaps",
-        "resolve -l english -c facefx",
-    )
-
-
+@handler(
+    "resolve",
+    "show the layer of each part of a language-character pair, and its gaps",
+    "resolve -l english -c facefx",
+)
 def resolve(options: Namespace) -> int:
     """Print a resolver's report; gaps are faults."""
     from lipsync_lang.performing.resolving import resolve as resolve_pair

@@ -20,22 +20,18 @@ from lipsync_lang.commands.performing import (
     plot_kind,
     schedule_for,
 )
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import handler
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.performing.performer import Performer
 
 
-@command("run")
-def _add_run(add: Add) -> None:
-    add(
-        run,
-        "animate text or timed phonemes",
-        'run "Hello, world" -l english -c facefx -o hello.csv -o hello.wav -o hello.html',
-    )
-
-
+@handler(
+    "run",
+    "animate text or timed phonemes",
+    'run "Hello, world" -l english -c facefx -o hello.csv -o hello.wav -o hello.html',
+)
 def run(options: Namespace) -> int:
     """Animate a line, and write it to all requested outputs."""
     from lipsync_lang.animations.animation import ExportSettings

@@ -3,14 +3,10 @@
 from argparse import Namespace
 
 from lipsync_lang.commands.output import SOUND, as_json
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import handler
 
 
-@command("schema")
-def _add_schema(add: Add) -> None:
-    add(schema, "print the JSON Schema of a kind of pack", "schema language > language.json")
-
-
+@handler("schema", "print the JSON Schema of a kind of pack", "schema language > language.json")
 def schema(options: Namespace) -> int:
     """Print a schema, or the kinds that have one."""
     from lipsync_lang.packs.describe import kinds

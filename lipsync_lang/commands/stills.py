@@ -8,18 +8,14 @@ from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files import write_all
 from lipsync_lang.commands.output import SOUND, tell_written
 from lipsync_lang.commands.performing import perform_line, performer_for, schedule_for
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import handler
 
 
-@command("stills")
-def _add_stills(add: Add) -> None:
-    add(
-        stills,
-        "draw the model at given times, always from the same camera",
-        'stills "Hello, world" -l english -c facefx --at 0.12,0.42 --close -o hello.png',
-    )
-
-
+@handler(
+    "stills",
+    "draw the model at given times, always from the same camera",
+    'stills "Hello, world" -l english -c facefx --at 0.12,0.42 --close -o hello.png',
+)
 def stills(options: Namespace) -> int:
     """Draw the model at given times, to a sheet."""
     from lipsync_lang.render.sheet import moments

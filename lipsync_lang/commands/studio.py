@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.commands.local_server import serve
 from lipsync_lang.commands.output import SOUND
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import handler
 from lipsync_lang.commands.shared_options import cleaning
 
 if TYPE_CHECKING:
@@ -15,15 +15,11 @@ if TYPE_CHECKING:
     from starlette.types import ASGIApp
 
 
-@command("studio")
-def _add_studio(add: Add) -> None:
-    add(
-        studio,
-        "open the studio in a browser: play, explain and edit a line",
-        "studio -l english -c facefx",
-    )
-
-
+@handler(
+    "studio",
+    "open the studio in a browser: play, explain and edit a line",
+    "studio -l english -c facefx",
+)
 def studio(options: Namespace) -> int:
     """Open the studio in a browser, until it is interrupted."""
     from hashlib import sha256

@@ -4,21 +4,17 @@ import sys
 from argparse import Namespace
 
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of, listed
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import handler
 from lipsync_lang.commands.shared_options import (
     cleaning,
 )
 
 
-@command("transcribe")
-def _add_transcribe(add: Add) -> None:
-    add(
-        transcribe,
-        "show the phonemes and common phonemes of a text",
-        'transcribe "Hello, world" -l english',
-    )
-
-
+@handler(
+    "transcribe",
+    "show the phonemes and common phonemes of a text",
+    'transcribe "Hello, world" -l english',
+)
 def transcribe(options: Namespace) -> int:
     """Print the phonemes and common phonemes of texts, word by word."""
     from lipsync_lang.authoring.printing import transcript_table

@@ -8,22 +8,18 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import count
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, working
-from lipsync_lang.commands.registry import Add, command
+from lipsync_lang.commands.registry import handler
 from lipsync_lang.packs.project import FILE, find_project
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.yaml.faults import Fault
 
 
-@command("validate")
-def _add_validate(add: Add) -> None:
-    add(
-        validate,
-        "list every fault of every pack found, or of the files given",
-        "validate languages/finnish.yaml",
-    )
-
-
+@handler(
+    "validate",
+    "list every fault of every pack found, or of the files given",
+    "validate languages/finnish.yaml",
+)
 def validate(options: Namespace) -> int:
     """Print every fault; warnings alone leave the packs sound."""
     from lipsync_lang.packs.finding import PACK_SUFFIXES
