@@ -6,7 +6,8 @@
 import json
 import os
 import sys
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -59,6 +60,17 @@ def install_line(*names: str) -> str:
         return f'uv tool install "{_requirement({*names, *_installed()})}"'
     tool = "uv pip" if UV in _settings(home) else _pip()
     return f'{tool} install "{_requirement(set(names))}"'
+
+
+@contextmanager
+def needing(
+    error: Callable[[str], Exception], what: str, extra: str, more: str = ""
+) -> Iterator[None]:
+    """Raise an error with the installation command of an extra if an import within fails."""
+    try:
+        yield
+    except ImportError:
+        raise error(f"{what}: {install_line(extra)}{more}") from None
 
 
 def package_line(name: str) -> str:

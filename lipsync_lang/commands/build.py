@@ -13,7 +13,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.base.errors import LipsyncError, count, shortlist
-from lipsync_lang.base.extras import install_line
+from lipsync_lang.base.extras import needing
 from lipsync_lang.base.terminal import progress, wipe
 from lipsync_lang.commands.output import FAULTS, SOUND, as_options
 from lipsync_lang.commands.registry import handler
@@ -101,10 +101,8 @@ def watch_project(options: Namespace, build: Callable[[StandingRemarks, MadeByBu
 
     A fault of the project or its packs is told, and watching goes on.
     """
-    try:
+    with needing(LipsyncError, "--watch needs watchfiles", "watch"):
         from watchfiles import Change, DefaultFilter, watch
-    except ImportError:
-        raise LipsyncError(f"--watch needs watchfiles: {install_line('watch')}") from None
     remarks, made, usual = StandingRemarks(), MadeByBuilds(), DefaultFilter()
 
     def is_input(change: Change, path: str) -> bool:

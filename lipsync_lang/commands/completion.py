@@ -4,7 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from lipsync_lang.base.errors import LipsyncError
-from lipsync_lang.base.extras import install_line
+from lipsync_lang.base.extras import needing
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import handler, leaves
 
@@ -19,10 +19,8 @@ FILE_PLACEHOLDERS = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB", "ANSWERS"}
 )
 def completion(options: Namespace) -> int:
     """Print a script that completes commands, options, files, and names of packs found now."""
-    try:
+    with needing(LipsyncError, "completion needs shtab", "completion"):
         import shtab
-    except ImportError:
-        raise LipsyncError(f"completion needs shtab: {install_line('completion')}") from None
     from lipsync_lang.commands.parser import parser
     from lipsync_lang.packs.finding import Finder
 

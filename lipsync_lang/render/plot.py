@@ -20,7 +20,7 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.arrays import Bools, Floats
 from lipsync_lang.base.errors import OutputError
-from lipsync_lang.base.extras import install_line
+from lipsync_lang.base.extras import needing
 from lipsync_lang.performing.performer import PerformedLine
 from lipsync_lang.pipeline.motion import PRESETS, Motion
 from lipsync_lang.pipeline.perform import Stage
@@ -338,11 +338,9 @@ def draw(page: "Callable[[], Figure]", stream: BinaryIO, format: str) -> None:  
     if name not in PLOT_FORMATS:
         what = f"no picture format '{format}'" if format else "the picture's name has no suffix"
         raise OutputError(f"{what}; known: {', '.join(PLOT_FORMATS)}")
-    try:
+    with needing(OutputError, "a picture needs matplotlib", "plot"):
         import matplotlib as mpl  # noqa: F401 loaded modules may hide that it is missing
         from matplotlib import style
-    except ImportError:
-        raise OutputError(f"a picture needs matplotlib: {install_line('plot')}") from None
     with warnings.catch_warnings(), style.context(RC, after_reset=True), quiet_fonts():
         warnings.filterwarnings("ignore", message="Glyph .* missing from")
         warnings.filterwarnings("ignore", message="Matplotlib currently does not support")

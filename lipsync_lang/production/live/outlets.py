@@ -30,7 +30,7 @@ from uuid import NAMESPACE_DNS, uuid5
 
 from lipsync_lang.animations.fixed import FixedColumns, names
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
-from lipsync_lang.base.extras import install_line
+from lipsync_lang.base.extras import needing
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.faces.rigs.transforms import HeadTurn
@@ -257,11 +257,9 @@ def vmc_messages(
     ----------
     place : of the head in its parent, in the receiver's axes
     """
-    try:
+    with needing(LipsyncError, "VMC needs the package python-osc", "live"):
         from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
         from pythonosc.osc_message_builder import OscMessageBuilder
-    except ImportError:
-        raise LipsyncError(f"VMC needs the package python-osc: {install_line('live')}") from None
 
     def message(address: str, *values: tuple[str, str | float | int]) -> "OscMessage":
         made = OscMessageBuilder(address)

@@ -28,7 +28,7 @@ from threading import Event, Thread
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
-from lipsync_lang.base.extras import install_line
+from lipsync_lang.base.extras import needing
 from lipsync_lang.performing.stream import Stream
 from lipsync_lang.pipeline.perform import FinalFrames
 from lipsync_lang.production.live.addresses import LOCAL, LiveAddress
@@ -177,21 +177,18 @@ class Client:
 
     def answer(self, message: str | bytes) -> dict[str, Any]:
         """Carry out the request of a message, and return the answer."""
-        if isinstance(message, bytes):
-            try:
-                return self.sound.hear(message)
-            except LipsyncError as error:
-                return {"error": str(error)}
         try:
-            asked = json.loads(message)
+            asked = None if isinstance(message, bytes) else json.loads(message)
         except (ValueError, RecursionError):
             return {"error": 'the message is not JSON; send an object such as {"text": "Hello"}'}
-        if not isinstance(asked, dict):
-            return {"error": 'the message is not a JSON object; send one such as {"text": "Hello"}'}
         try:
-            return self._answer(asked)
+            if isinstance(message, bytes):
+                return self.sound.hear(message)
+            if isinstance(asked, dict):
+                return self._answer(asked)
         except LipsyncError as error:
             return {"error": str(error)}
+        return {"error": 'the message is not a JSON object; send one such as {"text": "Hello"}'}
 
     def _answer(self, asked: dict[str, Any]) -> dict[str, Any]:
         unknown = [name for name in asked if name not in FIELDS]
@@ -293,11 +290,8 @@ class WebSocketOutlet:
     """A WebSocket server in its own thread; a LipsyncError if it cannot listen."""
 
     def __init__(self, address: LiveAddress, session: Session) -> None:
-        try:
+        with needing(LipsyncError, "a WebSocket server needs the package websockets", "live"):
             import websockets.asyncio.server
-        except ImportError:
-            what = f"a WebSocket server needs the package websockets: {install_line('live')}"
-            raise LipsyncError(what) from None
         family = socket.AF_INET6 if ":" in address.host else socket.AF_INET
         try:
             self.socket = socket.create_server((address.host, address.port), family=family)

@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.base.errors import OutputError
-from lipsync_lang.base.extras import install_line
+from lipsync_lang.base.extras import needing
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.faces.rigs.accessors import Accessors, Array
 from lipsync_lang.faces.rigs.container import fail
@@ -120,10 +120,8 @@ def decoded(data: bytes) -> Texels | None:
 
 def pillow() -> Any:
     """Import Pillow; the error message says how to install it."""
-    try:
+    with needing(OutputError, "pictures need Pillow", "video"):
         from PIL import Image
-    except ImportError:
-        raise OutputError(f"pictures need Pillow: {install_line('video')}") from None
     return Image
 
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from zipfile import BadZipFile, ZipFile
 
 from lipsync_lang.base.errors import MAX_KNOWN, LipsyncError, shortlist
-from lipsync_lang.base.extras import install_line
+from lipsync_lang.base.extras import needing
 from lipsync_lang.base.files.reading import MIB_BYTES
 from lipsync_lang.text.lines.columns import (
     MAX_TITLE_ROWS,
@@ -120,12 +120,9 @@ def _below_titles(sheet: tuple[str, Iterator[SheetRow]], stated: int | None) -> 
 
 def _sheets(source: LineFile) -> Iterator[tuple[str, Iterator[SheetRow]]]:
     """Yield the title and the rows of each sheet, in order."""
-    try:
+    more = "; or save them as .csv"
+    with needing(LipsyncError, "spreadsheets need openpyxl", "tables", more):
         import openpyxl
-    except ImportError:
-        raise LipsyncError(
-            f"spreadsheets need openpyxl: {install_line('tables')}; or save them as .csv"
-        ) from None
     with source.open() as stream:
         try:
             # `zipfile` unpacks at most the size that a part states.

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from lipsync_lang.base.errors import SpeechError, did_you_mean
-from lipsync_lang.base.extras import install_line
+from lipsync_lang.base.extras import needing
 
 _NAME_MARKS = "ˈˌ0123456789"
 STRESS_LEVELS = {"ˈ": 1, "ˌ": 2}
@@ -178,13 +178,9 @@ class EspeakProcess:
 
         The library and its data are found without loading either.
         """
-        try:
+        what = "speaking text needs eSpeak NG, which is not installed; get it with"
+        with needing(SpeechError, what, "speech"):
             import espeakng_loader
-        except ImportError:
-            raise SpeechError(
-                "speaking text needs eSpeak NG, which is not installed; "
-                f"get it with: {install_line('speech')}"
-            ) from None
         broken = "eSpeak NG is not installed whole"
         try:
             library = espeakng_loader.get_library_path()

@@ -9,7 +9,7 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints, Singles
 from lipsync_lang.base.errors import SpeechError
-from lipsync_lang.base.extras import install_line
+from lipsync_lang.base.extras import needing
 from lipsync_lang.schedules.schedule import SILENCE, Schedule, Word
 from lipsync_lang.sound.speech.hearing.align.spectrum import (
     HOP,
@@ -157,13 +157,9 @@ def _coarse(a: Floats, b: Floats) -> tuple[Ints, float]:
 
 def _path(a: Floats, b: Floats) -> tuple[Ints, float]:
     """Return the best path through two sounds, (K, 2) frame numbers, and its mean cost."""
-    try:
+    what = "aligning by warping needs dtaidistance, which is not installed; get it with"
+    with needing(SpeechError, what, "audio"):
         from dtaidistance import dtw_ndim
-    except ImportError:
-        raise SpeechError(
-            "aligning by warping needs dtaidistance, which is not installed; "
-            f"get it with: {install_line('audio')}"
-        ) from None
     way = dtw_ndim.warping_path(
         np.ascontiguousarray(a),
         np.ascontiguousarray(b),
