@@ -16,8 +16,7 @@ from lipsync_lang.authoring.new_pack import (
     PackDraft,
     PackWish,
     check_name,
-    head,
-    pack_bytes,
+    from_template,
     place_model,
 )
 from lipsync_lang.base.errors import LipsyncError, ModelError, PackError, did_you_mean
@@ -30,7 +29,7 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import PoseSet, RigChannel, RigPack
 from lipsync_lang.packs.models.rig_models import channels_of, expanded
 from lipsync_lang.packs.yaml.faults import shown
-from lipsync_lang.packs.yaml.value_text import as_scalar, on_one_line
+from lipsync_lang.packs.yaml.value_text import on_one_line
 
 MAX_ALTERNATIVES = 3
 
@@ -134,15 +133,18 @@ def draft(library: Library, wanted: CharacterWish, folder: Path = Path()) -> Cha
     # solved targets open each mouth as far as they should
     solved = face.mouth == "solved"
     dials = {} if match.rig or solved else _fitted(model, match, face)
-    text = pack_bytes(_lines(wanted, match, rig, stated, dials, solved=solved))
-    outputs: dict[Path, bytes | Path] = {path: text}
+    text = from_template(
+        "character", wanted=wanted, match=match, rig=rig, model=stated, dials=dials, solved=solved,
+        running=_running(wanted.name, wanted.model),
+    )  # fmt: skip
+    outputs: dict[Path, bytes | Path] = {path: text.encode()}
     summaries = {path: f"the poses of {match.poseset}" + (f", rig {rig}" if rig else "")}
     if not match.complete:
         rig_path = _new_rig_path(library, match, wanted.name, folder)
         own = [one for one in library.rigs_of(match.poseset) if one.stem == match.rig]
         base: Any = library.load(own[-1], "rig", own[-1].stem).model if own else None
         made = drafted(wanted.name, wanted.heading, match, face, base)
-        outputs[rig_path] = pack_bytes(rig_lines(made, model, match, face))
+        outputs[rig_path] = rig_text(made, model, match, face).encode()
         count = sum(len(places) for places in match.found.places.values())
         summaries[rig_path] = f"{count} channel{'s' * (count != 1)} for the model"
     summaries |= dict.fromkeys(copies, f"a copy of {wanted.model}")
@@ -234,35 +236,6 @@ def _new_rig_path(library: Library, match: Match, name: str, folder: Path) -> Pa
     return path
 
 
-def _lines(  # noqa: PLR0913 parts of the file
-    wanted: CharacterWish,
-    match: Match,
-    rig: str | None,
-    model: str,
-    dials: Mapping[str, float],
-    *,
-    solved: bool,
-) -> Iterator[str]:
-    title = wanted.heading
-    yield f"# {title}: the poses of {match.poseset} on {wanted.model.name}. See it speak:"
-    yield f"#   {_running(wanted.name, wanted.model)}"
-    fields = {"title": as_scalar(title), "poseset": as_scalar(match.poseset)}
-    fields |= {} if rig is None else {"rig": as_scalar(rig)}
-    has = f"[{', '.join(map(as_scalar, match.optional))}]" if match.optional else None
-    yield from head("character", wanted.name, **fields, model=as_scalar(model), has=has)
-    yield ""
-    yield "# Optional settings of this character; it can also have bigrams, words and lines"
-    yield "# motion: {speed_limit: 8}      # weight per second"
-    if solved:
-        yield "# reach: 1.4                   # how far its mouth moves: 1 is natural speech"
-        yield "# mouth: declared              # the targets of the pose set, whatever its shapes do"
-    if dials:
-        levels = ", ".join(f"{as_scalar(region)}: {level:g}" for region, level in dials.items())
-        yield f"dials: {{{levels}}}          # measured: the mouth opens as {match.poseset} expects"
-    else:
-        yield "# dials: {REGION: 0.8}          # scale of a region's movement"
-
-
 def drafted(name: str, title: str, match: Match, poseset: PoseSet, rig: RigPack | None) -> RigPack:
     """Draft a rig of the channels that match a model; without a rig, of the poses themselves."""
     own = {pose: RigChannel(gains={pose: 1}) for pose in match.poses}
@@ -320,31 +293,20 @@ def _paired(channels: Mapping[str, RigChannel]) -> dict[str, RigChannel]:
     return made
 
 
-def rig_lines(rig: RigPack, model: Model, match: Match, poseset: PoseSet) -> Iterator[str]:
+def rig_text(rig: RigPack, model: Model, match: Match, poseset: PoseSet) -> str:
     """Format a drafted rig as YAML, with the manual tasks in comments."""
-    yield f"# The poses of {rig.poseset} on {model.path.name}: a draft. It runs as it is."
-    yield "# A gain is shape weight per pose weight; a shape may have several, also negative ones."
-    title, poses_of = as_scalar(rig.title), as_scalar(rig.poseset)
-    yield from head("rig", rig.name, title=title, poseset=poses_of)
-    yield "channels:"
-    yield from (f"  {as_scalar(name)}: {_channel(one)}" for name, one in rig.channels.items())
-    if rig.lost:
-        yield "# Add each of these poses to a shape above that looks similar, or leave it lost"
-        yield "lost:"
-        yield from (f"  {as_scalar(pose)}: {as_scalar(why)}" for pose, why in rig.lost.items())
     nodes = model.document.get("nodes", ())
     free = [str(node["name"]) for node in nodes if "name" in node and "mesh" not in node]
-    for pose in rig.lost:
-        region = folded(poseset.poses[pose].region)
-        node = next((node for node in free if region and region in folded(node)), None)
-        if node is not None:
-            turned = RigChannel(gains={pose: TURN}, node=node, rotation=(1, 0, 0))
-            yield f"# A bone may show '{pose}'. Degrees, about x; try other axes and signs:"
-            yield f"#   {as_scalar(node)}: {_channel(turned)}"
-            break
-    if match.left:
-        yield "# Unused shapes:"
-        yield from (f"#   {line}" for line in wrap(", ".join(match.left), WRAP_CHARS - 4))
+    regions = {pose: folded(poseset.poses[pose].region) for pose in rig.lost}
+    bones = [
+        (pose, node, RigChannel(gains={pose: TURN}, node=node, rotation=(1, 0, 0)))
+        for pose, region in regions.items()
+        for node in free
+        if region and region in folded(node)
+    ]
+    left = wrap(", ".join(match.left), WRAP_CHARS - 4)
+    known = {"rig": rig, "model": model.path.name, "left": left, "shown": _channel}
+    return from_template("rig", **known, bones=bones[:1])
 
 
 def _channel(channel: RigChannel) -> str:

@@ -19,7 +19,7 @@ from pathlib import Path
 from textwrap import wrap
 from typing import NamedTuple
 
-from lipsync_lang.authoring.new_pack import PackDraft, PackWish, check_name, head, pack_bytes
+from lipsync_lang.authoring.new_pack import PackDraft, PackWish, check_name, from_template
 from lipsync_lang.base.errors import LipsyncError, PackError, did_you_mean
 from lipsync_lang.base.files.reading import MIB_BYTES, read_input, utf8_text
 from lipsync_lang.base.grouping import grouped
@@ -48,11 +48,6 @@ MAX_INVENTORY_BYTES = 128 * MIB_BYTES
 
 NUMBERS = tuple(str(n) for n in (*range(21), *range(30, 100, 10), 21, 45, 78, 100, 1000, 1000000))
 """Sample texts for any voice: number words, which cover most sounds of a language."""
-
-EMPTY_TESTS = """
-# Words with the IPA of a dictionary or a grammar, and the expected common phonemes:
-#  - {text: WORD, ipa: "its segments", phonemes: [its, common, phonemes], source: WHO}
-tests: []"""
 
 LIST_WIDTH = 96
 """Maximum length of a line that lists labels."""
@@ -226,9 +221,13 @@ def draft(library: Library, wanted: LanguageWish, folder: Path = Path()) -> Lang
     mapped = {n for near in found.values() for n, _ in near.value}
     parents = {common.shades[n].like if n in common.shades else n for n in mapped}
     added, order = sorted(parents - {*common.base}), [*common.phonemes, *common.shades]
-    body = _body(sounds, found, order, common.usual.get(IPA, {}))
-    parts = _head(wanted, inventory, added), body
-    content = pack_bytes([*chain(*parts, _inventory(inventory, found)), EMPTY_TESTS])
+    tag = wanted.tag or (wanted.voice or "").partition("+")[0] or (wanted.epitran or "")[:3]
+    tag = tag or (inventory.code if inventory else "")
+    unseen = {normalise(label) for label, near in found.items() if not near.value}
+    mute = [one for one in inventory.segments if normalise(one) in unseen] if inventory else []
+    body = _mapped(sounds, found, order, common.usual.get(IPA, {}))
+    known = {"wanted": wanted, "tag": tag, "adds": added, "inventory": inventory, "mute": mute}
+    content = from_template("language", **known, **body).encode()
     doubtful = sum(map(_doubtful, found.values()))
     return LanguageDraft(path, {path: content} | outputs, doubtful, len(found))
 
@@ -260,46 +259,13 @@ def _doubtful(near: Nearest) -> bool:
     return near.distance > 0 or not near.value or bool(near.unknown)
 
 
-def _head(wanted: LanguageWish, inventory: Inventory | None, added: Sequence[str]) -> Iterator[str]:
-    yield f"# {wanted.heading}: a draft. It runs as it is, but its doubtful labels may be wrong."
-    yield "#"
-    yield "# 1. Check the doubtful labels, at the top: does each have the mouth that you see?"
-    yield "# 2. Write tests: words with the phonemes that a dictionary or a grammar gives them."
-    yield f"# 3. lipsync-lang languages show {wanted.name}    lists what is untested,"
-    yield f"#    lipsync-lang validate languages/{wanted.name}.yaml    lists the faults."
-    yield "# 4. Remove `automatic` when the map has every label that you need."
-    tag = wanted.tag or (wanted.voice or "").partition("+")[0] or (wanted.epitran or "")[:3]
-    tag = tag or (inventory.code if inventory else "")
-    tag = tag or "und            # write the BCP 47 tag of the language"
-    title, adds = as_scalar(wanted.heading), f"[{', '.join(added)}]" if added else None
-    yield from head("language", wanted.name, tag=tag, title=title, adds=adds)
-    if wanted.lexicon:
-        file = f"{wanted.name}{wanted.lexicon.suffix}"
-        yield f"g2p: {{engine: lexicon, file: {as_scalar(file)}, notation: {IPA}}}"
-    elif wanted.profile:
-        file = f"{wanted.name}{wanted.profile.suffix}"
-        yield f"g2p: {{engine: phonemizer, file: {as_scalar(file)}, notation: {IPA}}}"
-    elif wanted.epitran:
-        yield f"g2p: {{engine: epitran, code: {as_scalar(wanted.epitran)}, notation: {IPA}}}"
-    elif wanted.voice:
-        yield f"g2p: {{engine: espeak, voice: {as_scalar(wanted.voice)}, notation: {IPA}}}"
-    else:
-        yield "# It reads text in the labels below; add rules to make it read the usual spelling:"
-        yield "#   rules: [{from: ch, to: tʃ}, {from: c, to: s, before: '[ei]'}, {from: c, to: k}]"
-        yield f"g2p: {{engine: rules, notation: {IPA}}}"
-    if wanted.voice:
-        yield f"tts: {{engine: espeak, voice: {as_scalar(wanted.voice)}}}"
-    yield "automatic: true       # labels that are not below go to the nearest common phonemes"
-    yield ""
-
-
-def _body(
+def _mapped(
     sounds: FoundSounds,
     found: Mapping[str, Nearest],
     order: Sequence[str],
     usual: Mapping[str, Sounds],
-) -> Iterator[str]:
-    """Yield the lines of the map and of the examples, doubtful labels first.
+) -> dict[str, object]:
+    """Return the lines of the map and the examples, for the template.
 
     A label that is not doubtful is listed alone if its mapping is the usual one.
     """
@@ -308,26 +274,16 @@ def _body(
     doubtful.sort(key=lambda label: -found[label].distance)
     sure = [label for label in seen if not _doubtful(found[label])]
     sure.sort(key=lambda label: [order.index(name) for name, _ in found[label].value])
-    yield "notations:"
-    yield f"  {IPA}: {{"
-    if doubtful:
-        yield "    # Doubtful: no common phoneme lists these labels; each has the nearest one"
-        yield from (_entry(label, found[label]) for label in doubtful)
-        yield ""
-    if sure:
-        yield "    # Listed by common phonemes; a label alone has its usual mapping"
-        alone = [one for one in sure if one in usual and usual[one].value == found[one].value]
-        listed = " ".join(f"{as_scalar(label)}," for label in alone)
-        yield from wrap(listed, LIST_WIDTH, initial_indent=" " * 4, subsequent_indent=" " * 4)
-        yield from (_entry(label, found[label]) for label in sure if label not in alone)
-    yield "  }"
-    examples = {label: word for label, word in sounds.words.items() if word}
-    if examples:
-        yield ""
-        yield "# The first word found for each label; choose better ones"
-        yield "examples:"
-        shown = (label for label in (*doubtful, *sure) if label in examples)
-        yield from (f"  {as_scalar(label)}: {as_scalar(examples[label])}" for label in shown)
+    alone = [one for one in sure if one in usual and usual[one].value == found[one].value]
+    listed = " ".join(f"{as_scalar(label)}," for label in alone)
+    lines = wrap(listed, LIST_WIDTH, initial_indent=" " * 4, subsequent_indent=" " * 4)
+    lines += [_entry(label, found[label]) for label in sure if label not in alone]
+    examples = {label: sounds.words[label] for label in (*doubtful, *sure)}
+    return {
+        "doubtful": [_entry(label, found[label]) for label in doubtful],
+        "sure": lines,
+        "examples": {label: word for label, word in examples.items() if word},
+    }
 
 
 def _entry(label: str, near: Nearest) -> str:
@@ -341,18 +297,3 @@ def _entry(label: str, near: Nearest) -> str:
     told += [f"not IPA: {' '.join(near.unknown)}"] if near.unknown else []
     entry = f"    {as_scalar(label)}: {value},"
     return f"{entry:<19} # {'; '.join(told)}" if told else entry
-
-
-def _inventory(inventory: Inventory | None, found: Mapping[str, Nearest]) -> Iterator[str]:
-    if inventory is None:
-        return
-    listed = ", ".join(map(as_scalar, inventory.segments))
-    yield ""
-    yield "inventory:"
-    yield f"  source: {as_scalar(inventory.source)}"
-    yield f"  segments: [{listed}]"
-    mute = {normalise(label) for label, near in found.items() if not near.value}
-    toned = [segment for segment in inventory.segments if normalise(segment) in mute]
-    if toned:
-        yield "  absent:"
-        yield from (f"    {as_scalar(segment)}: it is not visible" for segment in toned)

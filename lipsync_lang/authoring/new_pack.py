@@ -1,11 +1,11 @@
-"""The parts that all drafts of packs share: name, head, model reference and files.
+"""The parts that all drafts of packs share: name, template, model reference and files.
 
-A draft is lines of YAML under a head; `pack_bytes` makes the file. Paths in a pack are POSIX paths
-relative to the folder of the pack.
+`templates` has the text of each kind of pack. Paths in a pack are POSIX paths relative to the
+folder of the pack.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from filecmp import cmp
 from functools import partial
@@ -19,7 +19,7 @@ from lipsync_lang.base.errors import LipsyncError, PackError
 from lipsync_lang.base.files import write_all
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.packs.finding import WHOLE_MODELS
-from lipsync_lang.packs.yaml.value_text import as_scalar
+from lipsync_lang.packs.yaml.value_text import as_scalar, on_one_line
 
 WRAP_CHARS = 100
 """Maximum line width in characters for wrapped lists."""
@@ -81,16 +81,18 @@ def check_name(name: str, existing: Path | None = None) -> None:
         raise PackError(f"{existing}: already exists; choose another name, or delete it first")
 
 
-def head(kind: str, name: str, **fields: str | None) -> Iterator[str]:
-    """Yield the first lines of a pack; fields are YAML, and None leaves one out."""
-    # YAML would take a name such as 007 for a number, and "no" for false
-    stated = {"kind": kind, "format": "1", "name": as_scalar(name), **fields}
-    yield from (f"{field}: {value}" for field, value in stated.items() if value is not None)
+def from_template(name: str, **known: object) -> str:
+    """Return the text of a pack; `yaml` writes a value of its template on one line."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
 
-
-def pack_bytes(lines: Iterable[str]) -> bytes:
-    """Return the content of a pack."""
-    return ("\n".join(lines) + "\n").encode()
+    environment = Environment(  # noqa: S701 plain text, no HTML
+        loader=PackageLoader(__package__),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters["yaml"] = on_one_line
+    return environment.get_template(f"{name}.jinja").render(known)
 
 
 def place_model(model: Path, pack: Path) -> tuple[str, NewFiles]:

@@ -20,8 +20,7 @@ from lipsync_lang.authoring.new_pack import (
     PackDraft,
     PackWish,
     check_name,
-    head,
-    pack_bytes,
+    from_template,
     place_model,
 )
 from lipsync_lang.base.errors import LipsyncError, PackError
@@ -119,7 +118,8 @@ def draft(library: Library, wanted: PoseSetWish, folder: Path = Path()) -> PoseS
         *([f"{len(left)} unused, in a comment"] if left else ()),
         *([f"the model has no shape called {', '.join(absent)}"] if absent else ()),
     ]
-    outputs: NewFiles = {path: pack_bytes(poseset_lines(made, common, why, left)), **copies}
+    lines = poseset_lines(made, common, why, left)
+    outputs: NewFiles = {path: "\n".join([*lines, ""]).encode(), **copies}
     return PoseSetDraft(path, outputs, "; ".join(said))
 
 
@@ -294,50 +294,35 @@ def poseset_lines(
     """
     lines: list[str] = []
     for packed, dense in ((False, False), (True, False), (True, True)):
-        lines = [*_lines(model, common, why, left, packed=packed)]
+        lines = _text(model, common, why, left, packed=packed).removesuffix("\n").split("\n")
         lines = [line for line in lines if line or not dense]
         if len(lines) <= MAX_SCREEN_LINES:
             break
     return lines
 
 
-def _lines(
+def _text(
     model: PoseSet, common: Phonemes, why: Mapping[str, str], left: Sequence[str], *, packed: bool
-) -> Iterator[str]:
-    name = model.name
-    yield f"# {model.title}: a draft. It runs as it is:"
-    yield f'#   lipsync-lang run "Hello" -l LANGUAGE -c {name} -o {name}.html'
-    yield from (f"# {line}" for line in wrap(why[""], WRAP_CHARS - 2))
-    model_file = as_scalar(model.model) if model.model is not None else None
-    yield from head("poseset", name, title=on_one_line(model.title), model=model_file)
-    yield ""
-    yield from _poses(model, why, packed=packed)
-    if left:
-        yield "# Unused shapes. To use a shape, add it to `poses` and to `targets`:"
-        yield from _wrapped("#   ", map(as_scalar, left), "")
-    yield ""
-    yield from _constraint_lines(model, packed=packed)
-    yield ""
-    yield "# Contacts, visible at any speed: poses that rise to a floor, or stay below a ceiling"
-    yield "contacts:" if model.contacts else "contacts: {}"
-    for title, contact in model.contacts.items():
-        parts = {"phonemes": contact.phonemes, "floor": contact.floor, "ceiling": contact.ceiling}
-        held = {part: poses for part, poses in parts.items() if poses or part == "phonemes"}
-        yield f"  {as_scalar(title)}: {on_one_line(held)}"
-    yield ""
-    yield "# Settings of the motion; speed_limit is the highest weight per second of a pose"
-    yield f"motion: {on_one_line(model.motion.model_dump(exclude_none=True))}"
-    yield ""
-    yield "# Weight of each pose at each sound, from 0 to 1. A pose that is not named is at rest."
-    yield "targets:"
-    yield from _targets(model, common, packed=packed)
-    if model.measures:
-        yield ""
-        yield "# Measures for quality reports: sums of gain times pose"
-        yield "measures:"
-        yield from (
-            f"  {as_scalar(k)}: {on_one_line(gains)}" for k, gains in model.measures.items()
-        )
+) -> str:
+    constraints = model.constraints
+    contacts = {}
+    for title, one in model.contacts.items():
+        parts = {"phonemes": one.phonemes, "floor": one.floor, "ceiling": one.ceiling}
+        contacts[title] = {part: own for part, own in parts.items() if own or part == "phonemes"}
+    return from_template(
+        "poseset",
+        model=model,
+        why=wrap(why[""], WRAP_CHARS - 2),
+        names=[*model.poses],
+        poses="\n".join(_poses(model, why, packed=packed)),
+        left=[*map(as_scalar, left)],
+        pairs=[on_one_line(pair.model_dump(exclude_none=True)) for pair in constraints.pairs],
+        default=constraints.default if constraints.default < NO_THRESHOLD else None,
+        contacts=contacts,
+        targets=_targets(model, common, packed=packed),
+        packed=packed,
+        wrapped=lambda *parts: "\n".join(_wrapped(*parts)),
+    )
 
 
 def _targets(model: PoseSet, common: Phonemes, *, packed: bool) -> Iterator[str]:
@@ -366,29 +351,6 @@ def _poses(model: PoseSet, why: Mapping[str, str], *, packed: bool) -> Iterator[
     for name, pose in model.poses.items():
         entry = f"  {as_scalar(name) + ':':<{width}} {_pose(pose.title, pose.region)}"
         yield f"{entry}   # {why[name]}" if name in why else entry
-
-
-def _constraint_lines(model: PoseSet, *, packed: bool) -> Iterator[str]:
-    """Format the constraints; without any, a commented-out example."""
-    stated = model.constraints
-    pairs = [on_one_line(pair.model_dump(exclude_none=True)) for pair in stated.pairs]
-    binds = stated.default < NO_THRESHOLD
-    yield "# Pairs of poses with the highest sum of their weights; `priority` has the weakest first"
-    if not pairs and not binds:
-        some = [*model.poses, *model.poses][:2]
-        yield f"# constraints: {{pairs: [{{between: {on_one_line(some)}, threshold: 1}}]}}"
-        yield f"# priority: {on_one_line(some[:1])}"
-        return
-    yield "constraints:"
-    if binds:
-        yield f"  default: {stated.default:g}"
-    if pairs and packed:
-        yield from _wrapped("  pairs: [", pairs, "]")
-    elif pairs:
-        yield "  pairs:"
-        yield from (f"    - {pair}" for pair in pairs)
-    if model.priority:
-        yield from _wrapped("priority: [", map(as_scalar, model.priority), "]")
 
 
 def _pose(title: str, region: str) -> str:

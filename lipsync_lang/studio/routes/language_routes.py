@@ -5,7 +5,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from lipsync_lang.authoring.new_pack import PackWish, check_name, head, pack_bytes, write_new
+from lipsync_lang.authoring.new_pack import PackWish, check_name, write_new
 from lipsync_lang.authoring.sound_table import SoundMemory, SoundTable
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files.reach import refuse_outside
@@ -13,7 +13,7 @@ from lipsync_lang.base.json_object import Json
 from lipsync_lang.packs.finding import FOLDERS
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.language_models import TAG_PATTERN
-from lipsync_lang.packs.yaml.value_text import as_scalar
+from lipsync_lang.packs.yaml.value_text import on_one_line
 from lipsync_lang.resolver.layers import PairPacks
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.studio.routes.line_routes import MAX_TYPED_CHARS, whole
@@ -59,9 +59,10 @@ def begin(workshop: Workshop, request: StudioRequest) -> Json:
     tag = request.text("tag").strip() or library.language(base).model.tag
     if not re.fullmatch(TAG_PATTERN, tag):
         raise LipsyncError(f"'{tag[:20]}' is no language code; write one such as 'sw' or 'pt-BR'")
-    title = as_scalar(PackWish(name).heading)
-    lines = head("language", name, tag=as_scalar(tag), title=title, extends=as_scalar(base))
-    files = {path: pack_bytes(lines)}
+    stated = {"kind": "language", "format": 1, "name": name, "tag": tag}
+    stated |= {"title": PackWish(name).heading, "extends": base}
+    text = "".join(f"{field}: {on_one_line(value)}\n" for field, value in stated.items())
+    files = {path: text.encode()}
     Library(workshop.paths, workshop.project, unsaved=files).language(name)  # refuses a faulty pack
     refuse_outside(path, workshop.project)
     write_new(files)
