@@ -70,7 +70,7 @@ def needing(
     try:
         yield
     except ImportError:
-        raise error(f"{what}: {install_line(extra)}{more}") from None
+        raise error(f"{what} {install_line(extra)}{more}") from None
 
 
 def package_line(name: str) -> str:

@@ -101,7 +101,7 @@ def watch_project(options: Namespace, build: Callable[[StandingRemarks, MadeByBu
 
     A fault of the project or its packs is told, and watching goes on.
     """
-    with needing(LipsyncError, "--watch needs watchfiles", "watch"):
+    with needing(LipsyncError, "--watch needs watchfiles:", "watch"):
         from watchfiles import Change, DefaultFilter, watch
     remarks, made, usual = StandingRemarks(), MadeByBuilds(), DefaultFilter()
 

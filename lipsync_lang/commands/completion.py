@@ -19,7 +19,7 @@ FILE_PLACEHOLDERS = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB", "ANSWERS"}
 )
 def completion(options: Namespace) -> int:
     """Print a script that completes commands, options, files, and names of packs found now."""
-    with needing(LipsyncError, "completion needs shtab", "completion"):
+    with needing(LipsyncError, "completion needs shtab:", "completion"):
         import shtab
     from lipsync_lang.commands.parser import parser
     from lipsync_lang.packs.finding import Finder

@@ -338,7 +338,7 @@ def draw(page: "Callable[[], Figure]", stream: BinaryIO, format: str) -> None:  
     if name not in PLOT_FORMATS:
         what = f"no picture format '{format}'" if format else "the picture's name has no suffix"
         raise OutputError(f"{what}; known: {', '.join(PLOT_FORMATS)}")
-    with needing(OutputError, "a picture needs matplotlib", "plot"):
+    with needing(OutputError, "a picture needs matplotlib:", "plot"):
         import matplotlib as mpl  # noqa: F401 loaded modules may hide that it is missing
         from matplotlib import style
     with warnings.catch_warnings(), style.context(RC, after_reset=True), quiet_fonts():

@@ -257,7 +257,7 @@ def vmc_messages(
     ----------
     place : of the head in its parent, in the receiver's axes
     """
-    with needing(LipsyncError, "VMC needs the package python-osc", "live"):
+    with needing(LipsyncError, "VMC needs the package python-osc:", "live"):
         from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
         from pythonosc.osc_message_builder import OscMessageBuilder
 

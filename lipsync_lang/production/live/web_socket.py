@@ -290,7 +290,7 @@ class WebSocketOutlet:
     """A WebSocket server in its own thread; a LipsyncError if it cannot listen."""
 
     def __init__(self, address: LiveAddress, session: Session) -> None:
-        with needing(LipsyncError, "a WebSocket server needs the package websockets", "live"):
+        with needing(LipsyncError, "a WebSocket server needs the package websockets:", "live"):
             import websockets.asyncio.server
         family = socket.AF_INET6 if ":" in address.host else socket.AF_INET
         try:

@@ -120,7 +120,7 @@ def decoded(data: bytes) -> Texels | None:
 
 def pillow() -> Any:
     """Import Pillow; the error message says how to install it."""
-    with needing(OutputError, "pictures need Pillow", "video"):
+    with needing(OutputError, "pictures need Pillow:", "video"):
         from PIL import Image
     return Image
 

@@ -121,7 +121,7 @@ def _below_titles(sheet: tuple[str, Iterator[SheetRow]], stated: int | None) -> 
 def _sheets(source: LineFile) -> Iterator[tuple[str, Iterator[SheetRow]]]:
     """Yield the title and the rows of each sheet, in order."""
     more = "; or save them as .csv"
-    with needing(LipsyncError, "spreadsheets need openpyxl", "tables", more):
+    with needing(LipsyncError, "spreadsheets need openpyxl:", "tables", more):
         import openpyxl
     with source.open() as stream:
         try:

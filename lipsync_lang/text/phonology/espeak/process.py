@@ -178,7 +178,7 @@ class EspeakProcess:
 
         The library and its data are found without loading either.
         """
-        what = "speaking text needs eSpeak NG, which is not installed; get it with"
+        what = "speaking text needs eSpeak NG, which is not installed; get it with:"
         with needing(SpeechError, what, "speech"):
             import espeakng_loader
         broken = "eSpeak NG is not installed whole"

@@ -157,7 +157,7 @@ def _coarse(a: Floats, b: Floats) -> tuple[Ints, float]:
 
 def _path(a: Floats, b: Floats) -> tuple[Ints, float]:
     """Return the best path through two sounds, (K, 2) frame numbers, and its mean cost."""
-    what = "aligning by warping needs dtaidistance, which is not installed; get it with"
+    what = "aligning by warping needs dtaidistance, which is not installed; get it with:"
     with needing(SpeechError, what, "audio"):
         from dtaidistance import dtw_ndim
     way = dtw_ndim.warping_path(
