@@ -6,10 +6,11 @@ where points that lie close together come apart most, in the shape that lowers t
 If few shapes part them there, these are lids, for example, and other shapes are tried.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 import numpy as np
@@ -196,22 +197,28 @@ def _lip_pairs(rest: Floats, opened: Floats) -> Ints:
     size = float(np.ptp(rest[moving, 0]))
     if not size:
         return np.empty((2, 0), np.intp)
-    columns = np.round((rest[:, 0] - np.median(rest[moving, 0])) / (NEAR_SHARE * size)).astype(int)
+    near, middle = NEAR_SHARE * size, median(rest[moving, 0].tolist())
+    columns = np.round((rest[:, 0] - middle) / near).astype(int)
     found, pairs, most = [], [], 0.0
     for column in np.unique(columns[moving]):
         here = np.flatnonzero(columns == column)
-        parted = opened[here, None, 1] - opened[here, 1]
-        away = np.sqrt(sum((axis[:, None] - axis) ** 2 for axis in rest[here].T))
-        parted[away > NEAR_SHARE * size] = 0.0
-        most = max(most, parted.max(initial=0.0))
-        # what is too little here is so in the end: the rest of a square would take megabytes
-        above, below = np.nonzero(parted > PARTED_SHARE * most)
-        found.append((here[above], here[below], parted[above, below]))
-    for above, below, parted in found:
-        wide = parted > PARTED_SHARE * most
-        if wide.any():
-            front = np.argmax(rest[above[wide], 2] + rest[below[wide], 2])
-            pairs.append((above[wide][front], below[wide][front]))
+        here = here[rest[here, 1].argsort()]
+        heights, numbers = rest[here, 1], np.arange(len(here))
+        # each point with those a little above it: a square of all points takes ten times as long
+        counts = heights.searchsorted(heights + 1.01 * near) - numbers - 1
+        steps = np.arange(counts.sum()) - (counts.cumsum() - counts).repeat(counts)
+        pair = here[np.stack((numbers.repeat(counts), numbers.repeat(counts) + 1 + steps))]
+        parted = opened[pair[0], 1] - opened[pair[1], 1]
+        # what is too little here is so in the end
+        seen = np.flatnonzero(np.abs(parted) > PARTED_SHARE * most)
+        seen = seen[np.linalg.norm(rest[pair[0, seen]] - rest[pair[1, seen]], axis=1) <= near]
+        most = max(most, np.abs(parted[seen]).max(initial=0.0))
+        found.append((np.where(parted > 0, pair, pair[::-1])[:, seen], np.abs(parted[seen])))
+    for both, parted in found:
+        above, below = both[:, parted > PARTED_SHARE * most]
+        if above.size:
+            front = np.lexsort((below, above, -rest[above, 2] - rest[below, 2]))[0]
+            pairs.append((above[front], below[front]))
     return np.array(pairs, np.intp).reshape(-1, 2).T
 
 
@@ -222,12 +229,9 @@ def still_by_mesh(model: Model) -> Mapping[str, frozenset[str]]:
     try:
         arrays = Accessors(model)
         for mesh in model.meshes:
-            found[mesh.name] = frozenset(mesh.shapes) - {
-                name
-                for primitive in model.document["meshes"][mesh.number]["primitives"]
-                for name, target in zip(mesh.shapes, primitive["targets"], strict=True)
-                if "POSITION" in target and _moves(arrays, primitive, target["POSITION"])
-            }
+            parts = model.document["meshes"][mesh.number]["primitives"]
+            moving = (_moving(arrays, one, mesh.shapes) for one in parts)
+            found[mesh.name] = frozenset(mesh.shapes).difference(*moving)
     except (ModelError, KeyError, TypeError):
         return {}
     return found
@@ -240,9 +244,14 @@ def still_shapes(model: Model) -> frozenset[str]:
     return frozenset(model.shape_names).difference(*parts)
 
 
-def _moves(arrays: Accessors, primitive: Mapping[str, Any], offsets: object) -> bool:
-    size = np.ptp(arrays[primitive["attributes"]["POSITION"]].astype(float), axis=0).max()
-    return bool(np.abs(arrays[offsets]).max() > STILL_SHARE * size)
+def _moving(arrays: Accessors, primitive: Mapping[str, Any], names: Sequence[str]) -> Iterator[str]:
+    """Yield the shapes that move a point of a part of a mesh."""
+    pairs = zip(names, primitive["targets"], strict=True)
+    offsets = {name: target["POSITION"] for name, target in pairs if "POSITION" in target}
+    if offsets:
+        points = arrays[primitive["attributes"]["POSITION"]].astype(float)
+        least = STILL_SHARE * np.ptp(points, axis=0).max()
+        yield from (name for name, at in offsets.items() if np.abs(arrays[at]).max() > least)
 
 
 @lru_cache(maxsize=8)

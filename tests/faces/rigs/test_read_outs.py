@@ -5,13 +5,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 from face_models import OCULUS, POINTS, moved
+from hypothesis import assume, given
+from hypothesis import strategies as st
 from places import ROOT
 from small_models import glb
 
 import lipsync_lang as ll
 from lipsync_lang.base.errors import ModelError
 from lipsync_lang.faces.rigs.model import read_model
-from lipsync_lang.faces.rigs.read_outs import find_mouth, read_outs, still_shapes
+from lipsync_lang.faces.rigs.read_outs import (
+    NEAR_SHARE,
+    PARTED_SHARE,
+    find_mouth,
+    read_outs,
+    still_shapes,
+)
+from lipsync_lang.faces.rigs.read_outs import _lip_pairs as find_pairs
 
 
 def measured(name):
@@ -99,3 +108,36 @@ def test_points_of_one_column_are_no_mouth():
     one[0, 1] = -1.0
     with pytest.raises(ModelError, match="no shape opens a mouth"):
         find_mouth(POINTS, {"drop": one}, Path("head.glb"))
+
+
+def pairs_of_a_square(rest, opened):
+    """Pair points of lips by a look at all pairs of a column."""
+    moving = np.abs(opened).max(axis=1) > 0
+    near = NEAR_SHARE * np.ptp(rest[moving, 0])
+    columns = np.round((rest[:, 0] - np.median(rest[moving, 0])) / near)
+    away = np.linalg.norm(rest[:, None] - rest, axis=2)
+    parted = opened[:, None, 1] - opened[:, 1]
+    parted[(away > near) | (columns[:, None] != columns)] = 0
+    parted[~np.isin(columns, columns[moving])] = 0
+    pairs = []
+    for column in np.unique(columns):
+        above, below = np.nonzero(
+            (parted > PARTED_SHARE * parted.max()) & (columns == column)[:, None]
+        )
+        if above.size:
+            front = np.argmax(rest[above, 2] + rest[below, 2])
+            pairs.append((above[front], below[front]))
+    return np.array(pairs, int).reshape(-1, 2).T
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(2, 120), st.sampled_from([1, 6]))
+def test_points_near_each_other_in_height_have_all_pairs_of_lips(seed, count, digits):
+    # Few digits make many points of one height, and fronts that are equally far to the front.
+    chance = np.random.default_rng(seed)
+    rest = np.round(chance.normal(size=(count, 3)) * (1, 0.2, 0.2), digits)
+    opened = np.zeros((count, 3))
+    opened[:, 1] = np.round(-chance.random(count) * (chance.random(count) < 0.6), digits)
+    moving = rest[opened[:, 1] != 0, 0]
+    assume(moving.size and np.ptp(moving))
+    found = find_pairs(rest, opened)
+    assert found.tolist() == pairs_of_a_square(rest, opened).tolist()
