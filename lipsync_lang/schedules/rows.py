@@ -233,6 +233,10 @@ def _without_gaps(
     end = 0.0
     for stated in rows:
         row = stated
+        if row.start == end < row.end and row.label != SILENCE:
+            filled.append(row)
+            end = row.end
+            continue
         middle = (row.start + end) / 2
         # a program that rounds each time by itself: both neighbours give half
         rounded = SNAP_SECONDS < abs(row.start - end) <= ROUNDING_SECONDS

@@ -143,12 +143,11 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
     if name is not None:
         return TIMING_READERS.find(name, ScheduleError)
     named = TIMING_READERS.ending(source.path)
-    own = {one.name for one in named}
+    own = sorted(one.name for one in named)
     # A plug-in reads what no built-in reader knows; another suffix counts where its own does not.
     for readers in (TIMING_READERS.built_in(), TIMING_READERS):
-        every = [one for _, one in sorted(readers.items())]
-        found = [one for one in every if one.name in own and one.sniff(source)]
-        found = found or [one for one in every if one.sniff(source)]
+        found = [readers[one] for one in own if one in readers and readers[one].sniff(source)]
+        found = found or [one for _, one in sorted(readers.items()) if one.sniff(source)]
         if len(found) > 1:
             names = " or ".join(one.name for one in found)
             raise source.fault(f"may be {names}; choose one (`read_as={found[0].name!r}`)")
@@ -164,7 +163,8 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
         _ = source.xml
     if named:
         file = source.path.name.lower()
-        fitting = [one for one in every if file.endswith(one.suffixes)]  # those of plug-ins, too
+        every = (one for _, one in sorted(TIMING_READERS.items()))  # those of plug-ins, too
+        fitting = [one for one in every if file.endswith(one.suffixes)]
         titles = "".join(f"\n  {one.name}: {one.title}" for one in fitting)
         raise source.fault(f"has none of the formats that end in '{source.path.suffix}':{titles}")
     known = ", ".join(TIMING_READERS.suffixes())

@@ -17,6 +17,9 @@ from lipsync_lang.schedules.timed_words import are_words
 
 LABEL = re.compile(r"(-?\d+(?:[.,]\d+)?)\t(-?\d+(?:[.,]\d+)?)(?:\t(.*))?")
 
+LABELS = re.compile(r"^(-?\d{1,9}(?:[.,]\d+)?)\t(-?\d{1,9}(?:[.,]\d+)?)(?:\t(.*))?$", re.MULTILINE)
+"""The same of all lines at once, for times that no other check refuses."""
+
 
 def sniff(source: TimingFile) -> bool:
     """Return True if the first line is a label with two decimal times, as Audacity writes them."""
@@ -27,6 +30,25 @@ def sniff(source: TimingFile) -> bool:
 @reader("audacity", ".txt", sniff=sniff)
 def read_audacity(source: TimingFile) -> Timings:
     """Audacity label tracks of phonemes or words, exported as text."""
+    rows = _at_once(source) or _line_by_line(source)
+    if are_words(row.label for row in rows):
+        return timed_words_of(source, rows, guess=True)
+    return schedule_of(source, rows, guess=True)
+
+
+def _at_once(source: TimingFile) -> list[LabelRow]:
+    """Return the rows of a file that has nothing but labels; empty for any other."""
+    found, text = LABELS.findall(source.text), source.text
+    if len(found) != text.count("\n") + (not text.endswith("\n")):
+        return []
+    return [
+        LabelRow(label, float(start.replace(",", ".")), float(end.replace(",", ".")), number)
+        for number, (start, end, label) in enumerate(found, 1)
+    ]
+
+
+def _line_by_line(source: TimingFile) -> list[LabelRow]:
+    """Return the rows of a file; the error for a line that is no label names it."""
     rows = []
     form = "a label; write START, END and TEXT, separated by tabs"
     for number, found in source.matches(LABEL, form, comments="\\"):
@@ -35,6 +57,4 @@ def read_audacity(source: TimingFile) -> Timings:
         begin = source.time(start.replace(",", "."), number)
         stop = source.time(end.replace(",", "."), number)
         rows.append(LabelRow(label, begin, stop, number))
-    if are_words(row.label for row in rows):
-        return timed_words_of(source, rows, guess=True)
-    return schedule_of(source, rows, guess=True)
+    return rows

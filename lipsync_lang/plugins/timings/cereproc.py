@@ -17,6 +17,8 @@ VOICE_EVENT = re.compile(
 
 def sniff(source: TimingFile) -> bool:
     """Return True if one of the first lines is an event with a phoneme or a word."""
+    if "INFO: " not in source.head:
+        return False
     found = (VOICE_EVENT.fullmatch(line) for line in source.head.split("\n"))
     return any(one is not None and one[1] != "marker" for one in found)
 

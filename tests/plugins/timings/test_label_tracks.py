@@ -33,6 +33,18 @@ def test_a_label_without_text_is_silence():
     assert read("0.0\t0.1\n0.1\t0.2\t\n0.2\t0.3\tAY", "labels.txt").labels == (SILENCE, "AY")
 
 
+@given(
+    st.lists(st.sampled_from(["M", "AA", "", "a, b", "\u2028", "s\tp"]), min_size=1), st.booleans()
+)
+def test_a_track_of_labels_alone_reads_as_one_with_frequencies(labels, comma):
+    lines = [f"{at / 10}\t{(at + 1) / 10}\t{label}\n" for at, label in enumerate(labels)]
+    text = "".join(lines).replace(".", "," if comma else ".")
+    at_once = read(text, "labels.txt")
+    line_by_line = read(f"{text}\\\t100.0\t4000.0\n", "labels.txt")
+    assert (at_once.labels, at_once.lines) == (line_by_line.labels, line_by_line.lines)
+    assert at_once.times.tolist() == line_by_line.times.tolist()
+
+
 @pytest.mark.parametrize(
     ("line", "told"),
     [
