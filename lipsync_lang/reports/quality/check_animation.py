@@ -102,11 +102,11 @@ def check_all(
         scene = scene_of(animations[start : start + BLOCK_LINES], performer)
         told = (_judged_on(scene.face, performer.model),)
         for name, one in measures.items():
-            for own, found in zip(figures[start:], one.find(scene), strict=False):
-                for figure in found:
-                    limit = asked[name] if figure.limit is None else figure.limit
-                    whole = f"{name} {figure.name}".rstrip()
-                    own.append(figure._replace(name=whole, unit=one.unit, limit=limit))
+            for line, found in zip(figures[start:], one.find(scene), strict=False):
+                for part, amount, _, own, parts, findings, why in found:
+                    most = asked[name] if own is None else own
+                    whole = f"{name} {part}" if part else name
+                    line.append(Figure(whole, amount, one.unit, most, parts, findings, why))
     return [
         Quality(_subject(animation, performer), tuple(own), told)
         for animation, own in zip(animations, figures, strict=True)

@@ -73,7 +73,7 @@ def _within(scene: MeasuredScene, line: int, marked: Bools) -> Ints:
 
 def _stronger_neighbours(scene: MeasuredScene) -> Ints:
     """Return the number of neighbours to which each phoneme yields a contact: (contacts, n)."""
-    stronger = (scene.face.yields.astype(int) @ scene.demanded.astype(int)) > 0
+    stronger = (scene.face.yields[:, :, None] & scene.demanded).any(axis=1)
     # a line begins and ends with silence, which demands nothing, so lines do not meet
     beside = np.pad(stronger.astype(np.intp), ((0, 0), (1, 1)))
     return beside[:, 2:] + beside[:, :-2]
@@ -256,11 +256,10 @@ def _largest_offset(scene: MeasuredScene, sign: int) -> Iterable[list[Figure]]:
             yield unjudged("no closure can be judged")
             continue
         found = [offset for offset in every if offset.seconds * sign > 0]
-        descriptions = {
-            o.phoneme: f"closes '{o.touch}' {abs(o.seconds):.3f} s {word}" for o in found
-        }
         worst = sorted(found, key=lambda offset: -offset.seconds * sign)[:MAX_CLOSURES]
-        shown = {offset.phoneme: descriptions[offset.phoneme] for offset in worst}
+        last = {offset.phoneme: offset for offset in found}
+        told = (last[offset.phoneme] for offset in worst)
+        shown = {o.phoneme: f"closes '{o.touch}' {abs(o.seconds):.3f} s {word}" for o in told}
         yield one(abs(worst[0].seconds) if worst else 0.0, {}, places(scene, shown))
 
 

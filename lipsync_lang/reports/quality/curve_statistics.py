@@ -33,10 +33,11 @@ def percentile(values: Floats, per_cent: float) -> float:
     place = (len(values) - 1) * (per_cent / 100)
     below = int(place)
     above, share = min(below + 1, len(values) - 1), place - below
-    low, high = np.partition(values, (below, above))[[below, above]].tolist()
+    ordered = np.sort(values)
+    low, high = ordered.item(below), ordered.item(above)
     # two forms of one line, as numpy has them: each rounds well near its own end
     wide = high - low
-    return float(high - wide * (1 - share) if share >= 0.5 else low + wide * share)  # noqa: PLR2004
+    return high - wide * (1 - share) if share >= 0.5 else low + wide * share  # noqa: PLR2004
 
 
 def derivative(curve: Floats, fps: float, order: int) -> Floats:
@@ -63,8 +64,8 @@ def turns(curve: Floats) -> int:
     last = float(curve[0])
     # of a stretch that only rises or falls, its end alone can turn
     step = curve[1:] - curve[:-1]
-    ends = np.append((step[1:] * step[:-1] <= 0).nonzero()[0] + 1, len(curve) - 1)
-    for value in curve[ends].tolist():
+    ends = curve[1:-1][step[1:] * step[:-1] <= 0].tolist()
+    for value in (*ends, float(curve[-1])):
         if way >= 0 and value < last - TURN_SHARE:
             count, last, way = count + 1, value, -1
         elif way <= 0 and value > last + TURN_SHARE:

@@ -110,8 +110,8 @@ class MeasuredScene:
         for span in self.spans:
             count = span.stop - span.start - 1
             middle = ((count - 1) // 2, count // 2)
-            own = np.partition(self.steps[span.start : span.start + count], middle)
-            out.append((own[middle[0]] + own[middle[1]]) / 2)
+            own = np.sort(self.steps[span.start : span.start + count])
+            out.append((own.item(middle[0]) + own.item(middle[1])) / 2)
         return np.array(out)
 
     @cached_property
@@ -133,6 +133,11 @@ class MeasuredScene:
     def speaking(self) -> Bools:
         """(T,) True for frames in a sound."""
         return self.sounds[self.owner]
+
+    @cached_property
+    def spoken(self) -> list[bool]:
+        """True for lines with frames in a sound."""
+        return np.logical_or.reduceat(self.speaking, self.frames[:-1]).tolist()
 
     @cached_property
     def seconds(self) -> list[float]:
@@ -208,7 +213,8 @@ class MeasuredScene:
         """(contacts, T) margin of each contact at each frame; negative without contact."""
         if not self.face.touches:
             return np.zeros((0, len(self.times)))
-        return np.minimum.reduceat(self.margins, self.face.bounded.starts, axis=0)
+        parts = map(self.face.bounded.part, range(len(self.face.touches)))
+        return np.stack([self.margins[part].min(axis=0) for part in parts])
 
     @cached_property
     def demanded(self) -> Bools:

@@ -71,11 +71,12 @@ def _lines(
     """Yield a figure for each line with so many seconds of speech."""
     mouth = _mouth(scene)
     own = [slice(*one) for one in pairwise(scene.phonemes.tolist())]
-    for span, sounds, spoken in zip(scene.spans, own, scene.seconds, strict=True):
+    lines = zip(scene.spans, own, scene.seconds, scene.spoken, strict=True)
+    for span, sounds, length, spoken in lines:
         if isinstance(mouth, str):
             yield unjudged(mouth)
-        elif spoken < seconds or not scene.speaking[span].any():
-            yield unjudged(f"{spoken:.1f} s of speech are too short; statistics need {seconds:g} s")
+        elif length < seconds or not spoken:
+            yield unjudged(f"{length:.1f} s of speech are too short; statistics need {seconds:g} s")
         else:
             yield figure_of(mouth, span, sounds)
 
@@ -94,9 +95,10 @@ def seen_opening(scene: MeasuredScene) -> Iterable[list[Figure]]:
     def figure_of(mouth: _MeasuredMouth, span: slice, _: slice) -> list[Figure]:
         filmed = mouth.meant[span]
         known = np.isfinite(filmed)
-        if not np.nanmax(filmed, initial=0.0) > SLIT:
+        meant = filmed[known]
+        if not meant.max(initial=0.0) > SLIT:
             return unjudged("no sound of the line opens the mouth")
-        both = mouth.aperture[span][known], filmed[known]
+        both = mouth.aperture[span][known], meant
         ours, film = (round(percentile(part, 95), 4) for part in both)
         ratio = max(ours, NO_OPENING) / max(film, SLIT)
         return one(max(ratio, 1 / ratio), {"opening": ours, "film": film})

@@ -280,6 +280,15 @@ def test_changes_and_short_holds_are_of_the_strongest_pose():
     assert not check(mixed, limits={"short_holds": 0.5})["short_holds"].passed
 
 
+def test_of_equal_poses_the_first_is_the_strongest():
+    def pulse(t, _):
+        return 0.5 * ((t > 0.795) & (t < 0.845))
+
+    both = changed(changed(still(), "wide", pulse), "tBack", pulse)
+    first = min(("wide", "tBack"), key=both.poses.index)
+    assert [one.what.split()[0] for one in check(both)["short_holds"].findings] == [first]
+
+
 def test_movement_in_silence_is_judged_far_from_sounds():
     schedule = Schedule(("_", "AA", "_"), np.array([0.0, 2, 2.5, 5]), notation="arpabet")
     times = np.arange(301) / 60
@@ -718,6 +727,14 @@ def test_lines_that_are_judged_at_once_have_the_figures_of_each_alone():
             for a, b in ((20, 50), (0, 40), (30, 32), (25, 45))
         ]
         assert check_all(made, face) == [check(one) for one in made]
+
+
+def test_no_movement_goes_on_from_line_to_line():
+    rises = changed(still(), "wide", lambda t, _: 0.2 * (t == t[-1]))
+    # Alone, this rises too little to be seen before it falls.
+    falls = changed(still(), "wide", lambda t, _: np.select([t == t[0], t == t[1]], [0.17, 0.2]))
+    for pair in ([rises, falls], [falls, rises]):
+        assert [one["jitter"].value for one in check_all(pair, performer())] == [0, 0]
 
 
 def test_no_line_is_judged_at_once():
