@@ -187,7 +187,8 @@ class LabelReader:
     def by_features(self, schedule: Schedule) -> dict[str, Value]:
         """Return the values of the labels of a schedule that its notation does not list."""
         notation = self.notation(schedule)
-        tried = {label: self.unlisted(notation, label) for label in dict.fromkeys(schedule.labels)}
+        unknown = [one for one in dict.fromkeys(schedule.labels) if notation.find(one) is None]
+        tried = {label: self.unlisted(notation, label) for label in unknown}
         return {label: value for label, value in tried.items() if value is not None}
 
     def values(self, schedule: Schedule) -> list[Value]:
@@ -411,6 +412,8 @@ def label_remarks(reader: LabelReader, schedule: Schedule) -> tuple[str, ...]:
 
 def _pace(schedule: Schedule) -> Iterator[str]:
     """Yield a remark on sounds that follow each other faster than anyone speaks."""
+    if np.diff(schedule.times).min() > FAST_SECONDS / FAST_SOUNDS:  # no sound alone is so fast
+        return
     sounds = np.array([label != SILENCE for label in schedule.labels])
     starts, lengths = schedule.times[:-1][sounds], np.diff(schedule.times)[sounds]
     ends = np.concatenate(([0.0], np.cumsum(lengths)))

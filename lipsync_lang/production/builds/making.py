@@ -221,12 +221,15 @@ class LineMaker:
         needs = pair.of(animation.schedule, spoken=line.timings is None, reasons=reasons)
         figures = [
             JudgedFigure(
-                *one[:4],
-                tuple([at for at, _ in one.findings[:MAX_FINDINGS]]),
-                one.findings[0].what if one.findings else one.why,
-                one.name.partition(" ")[0] in self.settings.limits,
+                name,
+                value,
+                unit,
+                limit,
+                tuple([at for at, _ in findings[:MAX_FINDINGS]]),
+                findings[0].what if findings else why,
+                name.partition(" ")[0] in self.settings.limits,
             )
-            for one in quality.figures
+            for name, value, unit, limit, _, findings, why in quality.figures
         ]
         confidence = animation.schedule.confidence
         if confidence is not None:

@@ -7,6 +7,7 @@ whose needs all have the digests of the last build would be made the same again.
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from functools import cached_property
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -102,17 +103,16 @@ class PairNeeds:
         phonemes, count = self.performer.compiled.phonemes, len(self.performer.compiled.phonemes)
         silence = np.array([self.performer.compiled.tables.silence])
         around = np.concatenate((silence, ids, silence))
-        # Codes of bigrams and trigrams, so that `unique` works on integers instead of names.
+        # Codes, since integers are sorted faster than names; trigrams come after all bigrams.
         pairs = around[:-1] * count + around[1:]
-        threes = (pairs[:-1] * count + around[2:])[around[1:-1] != silence]
-        units = [
-            f"bigram {phonemes[one // count]} {phonemes[one % count]}"
-            for one in np.unique(pairs).tolist()
-        ]
-        units += [_trigram(phonemes, code) for code in np.unique(threes).tolist()]
+        threes = (pairs[:-1] * count + around[2:])[around[1:-1] != silence] + count**2
+        codes = {*pairs.tolist(), *threes.tolist()}
+        for code in codes.difference(self._units):
+            self._units[code] = _trigram(phonemes, code - count**2)
+        units = [self._units[code] for code in sorted(codes)]
         names += units
         names += [f"{CURVE_SOURCE} {unit}" for unit in units] if reasons else []
-        return {name: self.current(name) for name in names}
+        return {name: self._known.get(name) or self.current(name) for name in names}
 
     def current(self, name: str) -> bytes:
         """Return the digest of a need by its name."""
@@ -146,6 +146,12 @@ class PairNeeds:
             found = self._wide.get(kind, ABSENT_DIGEST)
         self._known[name] = found
         return found
+
+    @cached_property
+    def _units(self) -> dict[int, str]:
+        """Needs of bigrams by code, and of those trigrams that lines have, after them."""
+        # The rows begin with all bigrams, in the order of their codes.
+        return dict(enumerate(islice(self._rows, self.performer.compiled.tables.pairs.size)))
 
     @cached_property
     def speech(self) -> bytes:

@@ -461,9 +461,8 @@ def extras_of_project(
     for line in lines or ():
         if line.timings is None:
             heard.setdefault(line.language, set()).add(line.audio is not None)
-    common = library.common().model
     for name, ways in heard.items():
-        manner = manner_of(library.language(name), common)
+        manner = manner_of(library.language(name), library.common().model)
         needed[name] = [*engines_of(manner, spoken=False in ways, heard=True in ways, tts=tts)]
     return needed
 

@@ -16,7 +16,7 @@ A label missing from the table has no value, unless the notation has a `nearest`
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 from unicodedata import combining, normalize
 
@@ -51,6 +51,7 @@ MAX_TONE_SIGNS = 4
 """Maximum number of signs of one tone, as in `˨ˀ˥` and `2142`; more are a number."""
 
 
+@lru_cache(maxsize=4096)  # lines share their labels
 def normalise(label: str) -> str:
     """Return the canonical spelling of a label; equal spellings always mean the same sound."""
     return normalize("NFC", normalize("NFC", label).translate(SAME).strip())
