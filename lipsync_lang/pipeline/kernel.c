@@ -1,4 +1,4 @@
-/* The stages of a performance, compiled.
+/* The stages of a performance, and the samples of pictures, compiled.
 
 The numpy modules beside this file are its specification: every function here names the one that it
 repeats, in the same order of operations wherever a comparison follows. The result agrees with theirs
@@ -45,7 +45,7 @@ before any is used. There is no static state; the GIL is released while the stag
 typedef Py_ssize_t Size;
 typedef unsigned char Byte;
 
-#define INTERFACE 7         /* kernel.py: another number wherever calls or arguments change */
+#define INTERFACE 8         /* kernel.py: another number wherever calls or arguments change */
 #define RESOLUTION 128      /* tables.py */
 #define TOUCH 1e-7          /* warp.py */
 #define MARGIN 0.030        /* hold.py */
@@ -1221,9 +1221,272 @@ static PyObject *look_up(PyObject *module, PyObject *const *args, Py_ssize_t nar
     return PyErr_Occurred() ? NULL : PyLong_FromSsize_t(answer);
 }
 
+/* ---------------------------------------------------------------- samples of pictures
+
+The modules are those of `render/model`. Here every number is the same to the last bit: each step is taken in the
+precision of numpy's, single or double, and in its order. */
+
+#define MIN_RISE 1e-9       /* raster.py */
+#define SHADE_STEPS 4096    /* light.py */
+#define LONGEST_SIDE 65536  /* samples of a window */
+#define MOST_TRIANGLES (1 << 28)
+#define MOST_VALUES 16      /* of the look of a triangle */
+
+typedef unsigned long long Key;
+
+typedef struct {
+    Size left, top, right, bottom;
+} Window;
+
+/* raster.py: `_whole` */
+INLINE Size whole(double value, Size low, Size high)
+{
+    const double up = ceil(value);
+    if (!(up > (double)low)) /* neither for what is not a number */
+        return low;
+    return up < (double)high ? (Size)up : high;
+}
+
+/* raster.py: the slope of `_crossing` */
+INLINE double slope(const double *start, const double *stop)
+{
+    const double rise = stop[1] - start[1];
+    return (stop[0] - start[0]) / (rise < MIN_RISE ? 1.0 : rise);
+}
+
+/* raster.py: `fill`, of one triangle with three corners and depths */
+static void fill_triangle(Key *keys, const Window *box, const double *corners, const double *depth, Key name)
+{
+    const double *upper = corners, *middle = corners + 2, *lower = corners + 4, *other;
+    if (middle[1] < upper[1])
+        other = upper, upper = middle, middle = other;
+    if (lower[1] < middle[1])
+        other = middle, middle = lower, lower = other;
+    if (middle[1] < upper[1])
+        other = upper, upper = middle, middle = other;
+    const double ax = corners[2] - corners[0], ay = corners[3] - corners[1], a = depth[1] - depth[0];
+    const double bx = corners[4] - corners[0], by = corners[5] - corners[1], b = depth[2] - depth[0];
+    const double area = ax * by - bx * ay, along = (a * by - b * ay) / area, down = (b * ax - a * bx) / area;
+    const double base = depth[0] - along * corners[0] - down * corners[1], step = (float)along;
+    const double longest = slope(upper, lower), first_half = slope(upper, middle), second = slope(middle, lower);
+    const Size bottom = whole(lower[1], box->top, box->bottom);
+    for (Size y = whole(upper[1], box->top, box->bottom); y < bottom; y++) {
+        const double row = (double)y, one = upper[0] + longest * (row - upper[1]);
+        const double two = row >= middle[1] ? middle[0] + second * (row - middle[1])
+                                            : upper[0] + first_half * (row - upper[1]);
+        const Size left = whole(least(one, two), box->left, box->right);
+        const Size right = whole(most(one, two), box->left, box->right);
+        const double start = (float)(base + along * (double)left + down * row);
+        Key *to = keys + (y - box->top) * (box->right - box->left) + (left - box->left);
+        for (Size x = 0; x < right - left; x++) {
+            const float near = (float)(start + step * (double)x);
+            unsigned int bits;
+            memcpy(&bits, &near, sizeof bits);
+            const Key key = (Key)bits << 32 | name;
+            to[x] = key > to[x] ? key : to[x];
+        }
+    }
+}
+
+/* Read a window from four arguments; 0, with an exception, unless it has room for nothing strange. */
+static int read_window(PyObject *const *args, Window *box)
+{
+    Size sides[4];
+    for (int i = 0; i < 4; i++) {
+        sides[i] = PyLong_AsSsize_t(args[i]);
+        if (sides[i] == -1 && PyErr_Occurred())
+            return 0;
+        if (sides[i] < 0 || sides[i] > LONGEST_SIDE || (i >= 2 && sides[i] < sides[i - 2])) {
+            PyErr_Format(PyExc_ValueError, "a window has no side at %zd", sides[i]);
+            return 0;
+        }
+    }
+    *box = (Window){sides[0], sides[1], sides[2], sides[3]};
+    return 1;
+}
+
+INLINE Size samples_of(const Window *box) { return (box->right - box->left) * (box->bottom - box->top); }
+
+/* Keep a view of an array that is changed in place; see `keep`. */
+static void *keep_writable(Views *views, PyObject *array, size_t item, Size items, const char *name)
+{
+    Py_buffer *view = &views->view[views->views];
+    if (PyObject_GetBuffer(array, view, PyBUF_WRITABLE) < 0)
+        return NULL;
+    views->views++;
+    if (items < 0 || view->len != (Size)item * items) {
+        PyErr_Format(PyExc_ValueError, "%s: %zd bytes for %zd items", name, view->len, items);
+        return NULL;
+    }
+    return view->buf;
+}
+
+/* fill(keys, left, top, right, bottom, corners, depth, names): triangles into the keys of a window */
+static PyObject *fill(PyObject *module, PyObject *const *args, Py_ssize_t nargs)
+{
+    (void)module;
+    Views views = {.views = 0};
+    Window box;
+    if (nargs != 8) {
+        PyErr_SetString(PyExc_TypeError, "fill(keys, left, top, right, bottom, corners, depth, names)");
+        return NULL;
+    }
+    const Size count = PyObject_Size(args[7]);
+    if (count < 0 || !read_window(args + 1, &box))
+        return NULL;
+    Key *keys = keep_writable(&views, args[0], sizeof(Key), samples_of(&box), "keys");
+    const double *corners = keys ? keep(&views, args[5], sizeof(double), 6 * count, "corners") : NULL;
+    const double *depth = corners ? keep(&views, args[6], sizeof(double), 3 * count, "depth") : NULL;
+    const Size *names = depth ? keep(&views, args[7], sizeof(Size), count, "names") : NULL;
+    if (names) {
+        Py_BEGIN_ALLOW_THREADS
+        for (Size i = 0; i < count; i++)
+            fill_triangle(keys, &box, corners + 6 * i, depth + 3 * i, (unsigned int)(names[i] + 1));
+        Py_END_ALLOW_THREADS
+    }
+    release_views(&views);
+    return names ? Py_NewRef(Py_None) : NULL;
+}
+
+typedef struct {
+    const Size *rank; /* (names,) number among the triangles that are drawn; -1 of others */
+    Size names, count, values;
+    const float *looks; /* (3, values, count) */
+} Surface;
+
+/* picture.py: `_drawn` and `_at`, for the samples of a row, of surfaces without textures */
+static void shade_row(const Key *keys, float *light, Size plane, Size width, float left, float row, const Surface *of)
+{
+    const Size step = of->values * of->count;
+    float first[4] = {0}, along[4] = {0}, down[4] = {0};
+    Size last = -1;
+    for (Size x = 0; x < width; x++) {
+        const Size name = (Size)(keys[x] & 0xFFFFFFFFu) - 1;
+        const Size rank = name >= 0 && name < of->names ? of->rank[name] : -1;
+        if (rank < 0 || rank >= of->count)
+            continue;
+        if (rank != last)
+            for (int i = 0; i < 4; i++) {
+                const float *look = of->looks + i * of->count + rank;
+                first[i] = look[0];
+                along[i] = look[step];
+                down[i] = look[2 * step] * row;
+            }
+        last = rank;
+        const float column = (float)x + left, white = first[3] + along[3] * column + down[3];
+        for (int i = 0; i < 3; i++)
+            light[i * plane + x] = first[i] + along[i] * column + down[i] + white;
+    }
+}
+
+/* shade(keys, left, top, right, bottom, light, rank, values, count, looks): light of what the keys show */
+static PyObject *shade(PyObject *module, PyObject *const *args, Py_ssize_t nargs)
+{
+    (void)module;
+    Views views = {.views = 0};
+    Window box;
+    Surface of = {.count = nargs == 10 ? PyLong_AsSsize_t(args[8]) : -1};
+    if (of.count < 0 || of.count > MOST_TRIANGLES) {
+        if (!PyErr_Occurred())
+            PyErr_SetString(PyExc_ValueError, "shade takes 10 arguments: keys, a window, light, rank, values, ...");
+        return NULL;
+    }
+    of.names = PyObject_Size(args[6]);
+    of.values = PyLong_AsSsize_t(args[7]);
+    if (PyErr_Occurred() || !read_window(args + 1, &box))
+        return NULL;
+    if (of.values < 4 || of.values > MOST_VALUES) {
+        PyErr_Format(PyExc_ValueError, "looks have no %zd values", of.values);
+        return NULL;
+    }
+    const Size plane = samples_of(&box), width = box.right - box.left;
+    const Key *keys = keep(&views, args[0], sizeof(Key), plane, "keys");
+    float *light = keys ? keep_writable(&views, args[5], sizeof(float), 3 * plane, "light") : NULL;
+    of.rank = light ? keep(&views, args[6], sizeof(Size), of.names, "rank") : NULL;
+    of.looks = of.rank ? keep(&views, args[9], sizeof(float), 3 * of.values * of.count, "looks") : NULL;
+    if (of.looks) {
+        Py_BEGIN_ALLOW_THREADS
+        for (Size y = 0; y < box.bottom - box.top; y++)
+            shade_row(keys + y * width, light + y * width, plane, width, (float)box.left, (float)(y + box.top), &of);
+        Py_END_ALLOW_THREADS
+    }
+    release_views(&views);
+    return of.looks ? Py_NewRef(Py_None) : NULL;
+}
+
+/* light.py: `encoded`, the step of its table */
+INLINE Size shade_step(float light)
+{
+    const float step = light * (SHADE_STEPS - 1);
+    if (!(step > 0))
+        return 0;
+    return step < SHADE_STEPS - 1 ? (Size)step : SHADE_STEPS - 1;
+}
+
+/* picture.py: `_pixels`, for a row of pixels */
+INLINE void average_row(const float *light, Size plane, Size width, Size fine, const Byte *shades, Byte *pixels)
+{
+    for (Size x = 0; x < width / fine; x++)
+        for (Size i = 0; i < 3; i++) {
+            const float *from = light + i * plane + x * fine;
+            float total = from[0];
+            for (Size n = 1; n < fine; n++)
+                total += from[n];
+            for (Size row = 1; row < fine; row++)
+                for (Size n = 0; n < fine; n++)
+                    total += from[row * width + n];
+            pixels[3 * x + i] = shades[shade_step(total / (float)(fine * fine))];
+        }
+}
+
+/* average(light, width, height, fine, shades, pixels): pixels of the means of fine * fine samples */
+static PyObject *average(PyObject *module, PyObject *const *args, Py_ssize_t nargs)
+{
+    (void)module;
+    Views views = {.views = 0};
+    Size numbers[3];
+    if (nargs != 6) {
+        PyErr_SetString(PyExc_TypeError, "average(light, width, height, fine, shades, pixels)");
+        return NULL;
+    }
+    for (int i = 0; i < 3; i++) {
+        numbers[i] = PyLong_AsSsize_t(args[i + 1]);
+        if (numbers[i] == -1 && PyErr_Occurred())
+            return NULL;
+    }
+    const Size width = numbers[0], height = numbers[1], fine = numbers[2];
+    if (width < 0 || width > LONGEST_SIDE || height < 0 || height > LONGEST_SIDE || fine < 1 || width % fine ||
+        height % fine) {
+        PyErr_SetString(PyExc_ValueError, "whole pixels of samples are needed");
+        return NULL;
+    }
+    const Size plane = width * height;
+    const float *light = keep(&views, args[0], sizeof(float), 3 * plane, "light");
+    const Byte *shades = light ? keep(&views, args[4], 1, SHADE_STEPS, "shades") : NULL;
+    Byte *pixels = shades ? keep_writable(&views, args[5], 1, 3 * plane / (fine * fine), "pixels") : NULL;
+    if (pixels) {
+        Py_BEGIN_ALLOW_THREADS
+        for (Size y = 0; y < height / fine; y++) {
+            const float *from = light + y * fine * width;
+            Byte *to = pixels + 3 * y * (width / fine);
+            if (fine == 2) /* a constant, which the compiler unrolls */
+                average_row(from, plane, width, 2, shades, to);
+            else
+                average_row(from, plane, width, fine, shades, to);
+        }
+        Py_END_ALLOW_THREADS
+    }
+    const int done = pixels != NULL;
+    release_views(&views);
+    return done ? Py_NewRef(Py_None) : NULL;
+}
+
 static PyMethodDef methods[] = {
     {"look_up", (PyCFunction)(void (*)(void))look_up, METH_FASTCALL, "Look the labels of a line up."},
     {"rows", (PyCFunction)(void (*)(void))rows, METH_FASTCALL, "Write a table of numbers as text."},
+    {"fill", (PyCFunction)(void (*)(void))fill, METH_FASTCALL, "Draw triangles into the keys of samples."},
+    {"shade", (PyCFunction)(void (*)(void))shade, METH_FASTCALL, "Light the samples that triangles cover."},
+    {"average", (PyCFunction)(void (*)(void))average, METH_FASTCALL, "Make pixels of samples."},
     {"bank", make_bank, METH_VARARGS, "Keep the curves of a language and a character."},
     {"plan", make_plan, METH_VARARGS, "Keep what a motion at a frame rate needs."},
     {"utter", (PyCFunction)(void (*)(void))utter, METH_FASTCALL, "Perform phonemes in time."},
@@ -1236,7 +1499,7 @@ static int tell_interface(PyObject *module) { return PyModule_AddIntConstant(mod
 static PyModuleDef_Slot slots[] = {{Py_mod_exec, tell_interface}, {0, NULL}};
 
 static struct PyModuleDef definition = {
-    PyModuleDef_HEAD_INIT, "_kernel", "The stages of a performance, compiled.", 0, methods, slots, NULL, NULL, NULL,
+    PyModuleDef_HEAD_INIT, "_kernel", "The stages of a performance, and the samples of pictures.", 0, methods, slots, NULL, NULL, NULL,
 };
 
 PyMODINIT_FUNC PyInit__kernel(void) { return PyModuleDef_Init(&definition); }

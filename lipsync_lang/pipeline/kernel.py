@@ -1,7 +1,8 @@
 """The compiled kernel, `kernel.c`, if it was built; loading it does not need numpy.
 
-`kernel_plan` passes performances to it. The stages in numpy are its specification, and they run
-wherever it is absent, switched off, or does not serve the settings.
+`kernel_plan` passes performances to it, and `render.model` pictures. The code in numpy is its
+specification, and it runs wherever the kernel is absent, switched off, or does not serve the
+settings.
 """
 
 import os
@@ -12,7 +13,7 @@ SWITCH = "LIPSYNC_LANG_KERNEL"
 """Environment variable; `off` disables the compiled kernel."""
 
 
-INTERFACE = 7
+INTERFACE = 8
 """Version of the calls and arguments; a library with another version is from other code."""
 
 

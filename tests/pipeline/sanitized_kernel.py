@@ -55,7 +55,7 @@ def recorded():
     words = ll.Word("no", 0, 2, emphasis=1.0), ll.Word("who", 3, 4)
     marked = ll.Schedule(("M", "AA1", "B", "UW", "F"), times, words=words, notation="arpabet")
     line = replace(marked, labels=("M", "AA", "B", "UW", "F"), words=())
-    for character in ("facefx", "arkit"):
+    for character in ("arkit", "facefx"):
         performer = ll.resolve("english", character)
         performer.perform(line)
         performer.perform(marked)
@@ -65,7 +65,16 @@ def recorded():
             stream.frames()
         stream.finish()
         stream.frames()
+    draw(performer.rigged(performer.perform(line)))
     return calls
+
+
+def draw(animation):
+    """Draw a small picture of a built-in model."""
+    from lipsync_lang.render.model.picture import Artist
+    from lipsync_lang.render.staging import staged
+
+    Artist(staged(animation), 12).draw(0.3)
 
 
 def damaged(rng, value, calls):
@@ -110,7 +119,9 @@ def damaged_array(rng, value, kind):
 def main(seconds, seed):
     """Call the kernel with damaged arguments until a time; print the counts of answers."""
     calls = recorded()
-    assert {"bank", "plan", "utter", "weigh"} <= set(calls), sorted(calls)
+    assert {"bank", "plan", "utter", "weigh", "fill", "shade", "average"} <= set(calls), sorted(
+        calls
+    )
     rng, answers, end = Random(seed), {}, time.monotonic() + seconds  # noqa: S311 no secret
     while time.monotonic() < end:
         name = rng.choice(sorted(calls))

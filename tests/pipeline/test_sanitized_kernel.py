@@ -58,7 +58,12 @@ def ran(environment, *arguments):
 
 @full
 def test_the_tests_of_the_kernel_hold_under_sanitizers(environment):
-    tests = "tests/pipeline/test_kernel.py", "-m", "not full"
+    tests = (
+        "tests/pipeline/test_kernel.py",
+        "tests/render/test_compiled_samples.py",
+        "-m",
+        "not full",
+    )
     quiet = ("-q", "-p", "no:cacheprovider", "-p", "no:randomly")
     ran(environment, "-m", "pytest", "-p", "sanitized_kernel", *tests, *quiet)
 
@@ -69,5 +74,5 @@ def test_damaged_arguments_are_refused_or_performed_within_bounds(environment):
     script = str(TESTS / "pipeline/sanitized_kernel.py")
     told = ran(environment, script, str(FUZZ_SECONDS), seed)
     assert int(told.split()[0]) > 20
-    for name in ("bank", "plan", "utter", "weigh"):
+    for name in ("bank", "plan", "utter", "weigh", "fill", "shade", "average"):
         assert f"{name} refused" in told

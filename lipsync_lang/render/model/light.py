@@ -19,7 +19,8 @@ LINEAR_LIGHT = np.where(_SRGB <= 0.04045, _SRGB / 12.92, ((_SRGB + 0.055) / 1.05
 
 _SHADE_STEPS = 4096
 _MIDDLES = (LINEAR_LIGHT[1:] + LINEAR_LIGHT[:-1]) / 2
-_SHADES = np.searchsorted(_MIDDLES, np.linspace(0, 1, _SHADE_STEPS)).astype("u1")
+SHADES = np.searchsorted(_MIDDLES, np.linspace(0, 1, _SHADE_STEPS)).astype("u1")
+"""(4096,) 8-bit sRGB value of each step of linear light from 0 to 1."""
 
 GRAIN = 1e-4, 0.05
 """Relative tolerance for merging corners: of positions, by the model's size, and of normals."""
@@ -135,7 +136,7 @@ def openness(scene: Scene, camera: Camera) -> Floats:
     """
     points = (scene.widest - camera.middle) / camera.half
     normals = Normals(scene).at(scene.widest)
-    corners, names = scene.triangles, np.arange(len(scene.triangles))
+    corners, names = scene.triangles, np.arange(len(scene.triangles), dtype=np.intp)
     reached, all_light = np.zeros(len(points)), np.full(len(points), 1e-9)
     # A spiral of golden angles spreads the directions evenly over a sphere.
     height = 1 - (2 * np.arange(AROUND) + 1) / AROUND
@@ -161,4 +162,4 @@ def openness(scene: Scene, camera: Camera) -> Floats:
 def encoded(light: npt.NDArray[np.floating]) -> npt.NDArray[np.uint8]:
     """Encode linear light as sRGB."""
     steps = (light * (_SHADE_STEPS - 1)).clip(0, _SHADE_STEPS - 1).astype(np.uint16)
-    return _SHADES[steps]
+    return SHADES[steps]

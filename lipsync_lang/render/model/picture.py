@@ -13,8 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints, Singles
+from lipsync_lang.pipeline import kernel
 from lipsync_lang.render.model.camera import Camera, framed
-from lipsync_lang.render.model.light import LINEAR_LIGHT, Normals, encoded, lit, openness
+from lipsync_lang.render.model.light import LINEAR_LIGHT, SHADES, Normals, encoded, lit, openness
 from lipsync_lang.render.model.raster import (
     MIN_AREA,
     DepthKeys,
@@ -120,7 +121,8 @@ class Artist:
         # The smallest window of whole pixels around the triangles; empty without any.
         low = faces.corners.min(axis=(0, 1), initial=self._fine) // FINE * FINE
         high = -(-faces.corners.max(axis=(0, 1), initial=0) // FINE) * FINE + FINE
-        window = Window(*np.concatenate([low, high]).clip(0, self._fine).astype(int).tolist())
+        sides = np.concatenate([low, np.maximum(low, high)]).clip(0, self._fine).astype(int)
+        window = Window(*sides.tolist())
         left, top, right, bottom = (side // FINE for side in window)
         *_, pixels[top:bottom, left:right] = self._drawn(faces, window, ground.keys, ground.light)
         return pixels
@@ -173,8 +175,11 @@ class Artist:
             for own in np.split(numbers, edges) if len(numbers) else ():
                 seen = partial(self._opaque, faces, own) if some is cut else None
                 fill(flat, window, faces.corners[own], faces.depth[own], faces.names[own], seen)
-        rank = np.empty(len(self._scene.triangles), np.intp)
+        rank = np.full(len(self._scene.triangles), -1, np.intp)
         rank[faces.names] = np.arange(len(faces.names))
+        if kernel.compiled is not None and not self._textured[faces.names].any():
+            kernel.compiled.shade(flat, *window, pixels, rank, *faces.looks.shape[1:], faces.looks)
+            return keys, light, _pixels(light)
         changed = np.flatnonzero(keys != still)
         for place in np.split(changed, range(SHADED, len(changed), SHADED)):
             y, x = np.divmod(place, window.width)
@@ -218,6 +223,10 @@ def _at(faces: Faces, samples: Samples, part: slice) -> Singles:
 
 def _pixels(light: Singles) -> Pixels:
     """Average (3, rows, columns) samples to pixels."""
+    if kernel.compiled is not None:
+        made = np.empty((light.shape[1] // FINE, light.shape[2] // FINE, 3), np.uint8)
+        kernel.compiled.average(light, *light.shape[:0:-1], FINE, SHADES, made)
+        return made
     total = light[:, ::FINE, ::FINE].copy()
     for row, column in list(np.ndindex(FINE, FINE))[1:]:
         total += light[:, row::FINE, column::FINE]

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints, Singles
+from lipsync_lang.pipeline import kernel
 
 DepthKeys = npt.NDArray[np.uint64]
 
@@ -81,6 +82,9 @@ def fill(  # noqa: PLR0913, PLR0917 the buffers and a triangle
     names : (F,) numbers of the triangles, below 2**32
     seen : predicate that masks visible samples; by default, all are visible
     """
+    if seen is None and kernel.compiled is not None:
+        kernel.compiled.fill(keys, *window, corners, depth, names)
+        return
     triangle, y, first, stop = _spans(corners, window)
     base, along, down = planes(corners, depth[..., None])[..., 0].T
     start = base[triangle] + along[triangle] * first + down[triangle] * y
