@@ -1,8 +1,8 @@
 // Open every page of the built site from its files, on a phone and a desk, light and dark, and search:
 //
-//   node site.mjs NODE_MODULES CHROMIUM FOLDER SOUGHT [PICTURES]
+//   node site.mjs NODE_MODULES CHROMIUM SEARCHER FOLDER SOUGHT [PICTURES]
 //
-// SOUGHT is searched for on the first page. A folder PICTURES gets one picture of each view.
+// SOUGHT is searched for on the first page, by the browser SEARCHER. A folder PICTURES gets one picture of each view.
 // Printed is JSON: `said` and `asked`, the errors and the requests of all this; `wide`, the pages that
 // scroll sideways; `faint`, the pages whose text has little contrast; `found`, the results of the search.
 import { readdirSync } from "node:fs";
@@ -10,13 +10,12 @@ import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 import { FLAT, launch, watch } from "./browsing.mjs";
 
-const [modules, chromium, folder, sought, pictures] = process.argv.slice(2);
+const [modules, chromium, searcher, folder, sought, pictures] = process.argv.slice(2);
 
-const browser = await launch(modules, chromium, ...FLAT);
 const CONTRAST = 4.5; // WCAG 2, level AA
 const said = [], asked = [], wide = [], faint = [];
 
-async function context(options) {
+async function context(browser, options) {
   const made = await browser.newContext(options);
   const page = await made.newPage();
   await page.addInitScript(() => { // colours are judged as they stay, and no frame of a change is painted
@@ -97,20 +96,26 @@ async function look(page, name, size, colorScheme) {
   }
 }
 
-try {
-  const reader = await context({ viewport: sizes.phone, colorScheme: "light" });
+/** Do something with a browser, and close it. */
+async function within(path, work) {
+  const browser = await launch(modules, path, ...FLAT);
+  try { return await work(browser); } finally { await browser.close(); }
+}
+
+await within(chromium, async (browser) => {
+  const reader = await context(browser, { viewport: sizes.phone, colorScheme: "light" });
   for (const name of pages) {
     await reader.goto(url(name));
     for (const [size, colorScheme] of views) { await look(reader, name, size, colorScheme); }
     views.reverse(); // the next page opens as this one ends, which saves it a layout
   }
-  const page = await context({ viewport: sizes.desk });
+});
+const found = await within(searcher, async (browser) => {
+  const page = await context(browser, { viewport: sizes.desk });
   await page.goto(url(pages[0]));
   await page.fill("[data-md-component=search-query]", sought);
   const results = page.locator(".md-search-result__item h1");
   await results.first().waitFor({ timeout: 30000 });
-  const found = await results.allTextContents();
-  console.log(JSON.stringify({ said, asked, wide, faint, read: pages.length, found }));
-} finally {
-  await browser.close();
-}
+  return results.allTextContents();
+});
+console.log(JSON.stringify({ said, asked, wide, faint, read: pages.length, found }));

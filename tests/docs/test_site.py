@@ -13,7 +13,7 @@ from urllib.parse import unquote, urlsplit
 import pytest
 from lanes import full
 from places import ROOT, TESTS
-from test_consumers import chromium, found, run
+from test_consumers import chromium, found, run, whole_chromium
 
 pytest.importorskip("mkdocs", reason="the site needs mkdocs, which is an extra")
 pytest.importorskip("mkdocstrings", reason="the site needs mkdocstrings, which is an extra")
@@ -312,7 +312,8 @@ def test_the_api_page_documents_every_public_name(pages):
 @pytest.mark.xdist_group("site")
 def test_every_page_fits_a_phone_and_can_be_read_and_found(site):
     node, modules = found("playwright-core")
-    shown = run(node, TESTS / "browser/site.mjs", modules, chromium(), site, "trigram")
+    browsers = chromium(), whole_chromium()
+    shown = run(node, TESTS / "browser/site.mjs", modules, *browsers, site, "trigram")
     assert (shown["said"], shown["asked"]) == ([], [])
     assert (shown["wide"], shown["faint"]) == ([], [])
     assert shown["read"] == len([path for path in site.rglob("*.html") if path.name != "404.html"])

@@ -1,7 +1,6 @@
 """Numbers whose words a pack puts together by rules."""
 
 import re
-from itertools import product
 
 import pytest
 from lanes import swept
@@ -91,10 +90,6 @@ MAX_NOUN_FORMS = 3
 SOME = (*range(1000), *range(1000, 10_000, 37), 10**6, 123_456_789)
 """Every number of three digits, and one of 37 others, so that all digits stand beside all."""
 
-ALL = (*range(10_000), 10**6, 123_456_789)
-
-SEVERAL = LANGUAGES[::4]
-
 
 def read_by_rules(language, numbers):
     """Yield the numbers that each table of a pack serves, with its rules and the words read."""
@@ -109,13 +104,9 @@ def read_by_rules(language, numbers):
         yield rules, [number_words(rules, str(n), tables) for n in served]
 
 
-@pytest.mark.parametrize(
-    ("language", "numbers"),
-    swept([*product(SEVERAL, [SOME]), *product(LANGUAGES, [ALL])], len(SEVERAL)),
-    ids=lambda one: one if isinstance(one, str) else str(len(one)),
-)
-def test_no_number_of_a_pack_leaves_a_digit_or_a_mark(language, numbers):
-    for rules, read in read_by_rules(language, numbers):
+@pytest.mark.parametrize("language", swept(LANGUAGES, LANGUAGES[::4]))
+def test_no_number_of_a_pack_leaves_a_digit_or_a_mark(language):
+    for rules, read in read_by_rules(language, SOME):
         assert [words for words in read if re.search(r"[0-9<>\[\]{}]", words)] == []
         forms = set(rules.values()) - {">", ""}  # an empty rule ends a table
         if len(forms) <= MAX_NOUN_FORMS:
