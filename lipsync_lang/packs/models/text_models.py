@@ -80,9 +80,7 @@ def _word(value: Data) -> Data:
         return {"dropped": True}
     if isinstance(value, str):
         return {"say": value}
-    if not isinstance(value, (dict, Strict)):
-        return {"phonemes": value}
-    return value
+    return value if isinstance(value, (dict, Strict)) else {"phonemes": value}
 
 
 ShortWord = Short(_word, forms=lambda full: [*sound_forms(full), {"type": "null"}])
@@ -139,7 +137,7 @@ class Numerals(Strict):
     counted: tuple[Text, ...] = ()
     """Words before a cardinal number, such as `chapter`."""
     named: tuple[Text, ...] = ()
-    """Words before an ordinal number: names of rulers."""
+    """Words before an ordinal number: names of rulers. `king *` is `king` with any name."""
     ordinals: tuple[Text, ...] = ()
     """Ordinal numbers from 1; later ones are read as cardinal numbers."""
     words: tuple[Text, ...] = ()
@@ -221,8 +219,8 @@ class LanguageText(Strict):
     ranks: Annotated[
         dict[Text, Annotated[str, Field(pattern=r"^[^{}|]+$")]], Short(_each_spelling)
     ] = Field(default={})
-    """The words for ranks, such as `por.: porucznik`, which stand before a name with a capital, or
-    before another rank. The same spelling in `abbreviations` says what is read elsewhere."""
+    """The words for ranks, such as `por.: porucznik`, before a name with a capital, another rank or
+    a mark (`por.!`). The same spelling in `abbreviations` says what is read elsewhere."""
     rank_cases: dict[Text, RankCase] = Field(default={})
     """Cases of the ranks, in languages that inflect them before a name, by name. The first whose
     expressions fit wins."""
@@ -275,8 +273,8 @@ class LanguageText(Strict):
     def expansions(self) -> dict[str, str]:
         """The abbreviations with the ranks, which are titles."""
         known = self.abbreviations
-        # before a name with a capital the rank is said, otherwise what follows the bar
-        return known | {key: f"{word}|{known.get(key, '')}" for key, word in self.ranks.items()}
+        # before a name with a capital the rank is said, otherwise what follows the bars
+        return known | {key: f"{word}||{known.get(key, '')}" for key, word in self.ranks.items()}
 
     @property
     def number_tables(self) -> dict[str, dict[str, str]]:

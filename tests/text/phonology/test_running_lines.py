@@ -5,6 +5,7 @@ from collections import defaultdict
 from dataclasses import replace
 from pathlib import Path
 from re import fullmatch
+from unicodedata import normalize
 
 import pytest
 from lanes import swept
@@ -112,6 +113,36 @@ def test_ranks_keep_their_words_in_each_case(name):
     # a name that shows nothing, where a text begins
     forms = Speaker.of(name).manner.forms
     assert [found.read for found in Expansions(forms).find(f"{key} Xxx")] == [rank]
+
+
+@pytest.mark.parametrize("name", INFLECTING)
+def test_a_rank_needs_no_name_before_a_mark(name):
+    text = LIBRARY.language(name).model.text
+    keys = {key: word for key, word in text.ranks.items() if key.endswith(".") and len(key) > 2}
+    expansions = Expansions(replace(Speaker.of(name).manner.forms, rank_cases=()))
+    for key, word in keys.items():
+        assert [found.read for found in expansions.find(f"- {key}!")] == [word]
+
+
+def test_a_title_that_means_something_else_needs_a_name():
+    expansions = Expansions(Speaker.of("english").manner.forms)
+    for text in ("In Main St.!", "In Main St., now", "In Main St."):
+        assert [found.read for found in expansions.find(text)] == ["Street"]
+
+
+@pytest.mark.parametrize(("after", "stops"), [(" and", 0), (" And", 1), (", and", 1), ("", 1)])
+def test_the_stop_of_a_unit_ends_no_sentence_before_a_small_letter(after, stops):
+    utterances = Utterances(Speaker.of("english").manner.forms, {}, str.islower)
+    (read,) = map(part_text, utterances.cut(f"It weighs 12 lbs.{after}"))
+    assert read == f"It weighs 12 pounds{'.' * stops}{after}"
+
+
+@pytest.mark.parametrize("name", [one.name for one in LIBRARY.names("language")])
+def test_written_forms_are_spelled_as_texts_are(name):
+    model = LIBRARY.language(name).model
+    split = [normalize("NFC", letter) for letter in (model.g2p.letters if model.g2p else ())]
+    stated = model.text.expansions if model.text else {}
+    assert not [key for pair in stated.items() for key in pair if any(map(key.__contains__, split))]
 
 
 @pytest.mark.parametrize("language", ["english", "russian", "greek", "german"])

@@ -3,14 +3,15 @@
 A key of an abbreviation is its spelling. `#` stands for a number, `##` for a number of two digits,
 and so on, `~` for a Roman numeral, and `*` for the letters of a word; `{1}` in its expansion is the
 first of them, and `{1:ordinal}` its word in the list `ordinal`. A space of a key may be missing in
-the text. An expansion with a full stop at its end ends a sentence where a capital follows; others
-with a capital and a full stop are titles, which stand before a name; the words after `|` serve
-without one. A key after `…` is the end of a word; one between two of them stands within words, too.
-In the text, `#` is `№` here, the `~` of `~30` is `≈`, and digits of other scripts are 0 to 9.
+the text, but for one between letters. An expansion with a full stop at its end ends a sentence
+where a capital follows; others with a capital and a full stop are titles, which stand before a
+name; the words after `|` serve without one. A key after `…` is the end of a word; one between two
+of them stands within words, too. In the text, `#` is `№` here, the `~` of `~30` is `≈`, and digits
+of other scripts are 0 to 9.
 """
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache, cached_property
 from itertools import pairwise
 from typing import NamedTuple
@@ -69,6 +70,8 @@ _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
 _BEFORE_ALONE = re.compile(r"([^{}]+)\{1\}")
 """Words before the only number, as in `max. 5 kg`."""
 _BEFORE_LAST = re.compile(r"(\{1[^{}]*\})?([^{}]*)\{[12][^{}]*\}")
+_CALL_SIGN = re.compile(r"(?<!\w)[^\W\d_]\w+ $")
+"""The word before two digits that are read one by one, as in `Alpha 2-1`; it has a capital."""
 _OTHER_DIGIT = re.compile(r"(?![0-9])\d")
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)*")
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
@@ -174,8 +177,9 @@ class AbbreviationKeys:
         text = _OTHER_DIGIT.sub(lambda digit: str(int(digit[0])), text)
         plain = _RANGE_SIGN.sub("〜", text)
         # `12-Й`, `12. SZINT` and `12. STOCK` are read like small letters, but not `5G`
-        cases = (str.lower, str.capitalize) if text.isupper() else ()
-        calm = [one for case in cases if len(one := _calmed(text, case)) == len(text)]
+        ways = [_SHOUTED.sub(lambda word: word[0].lower(), text)] if text.isupper() else []
+        ways += [_SHOUTED.sub(lambda word: word[0].capitalize(), one) for one in ways]
+        calm = [one for one in ways if len(one) == len(text)]
         while start := self._starts.search(plain, at):
             at = start.end()
             if start[0] in self._ends:
@@ -187,13 +191,13 @@ class AbbreviationKeys:
             unknown = start[0].isalpha() and self._beginnings.keys().isdisjoint(pairs)
             if unknown or (within and not prefixed):
                 continue
-            ways = (*calm, text, plain) if start[0].isdecimal() else (text, plain, *calm)
-            found, read = max(
-                (self._match(one, start.start()) for one in dict.fromkeys(ways)),
-                key=lambda match: match[0].end() if match[0] else -1,
-            )
+            fits = [self._match(one, start.start()) for one in dict.fromkeys((text, plain, *calm))]
+            found, read = max(fits, key=lambda match: match[0].end() if match[0] else -1)
             if found and not (within and {*found[0]}.isdisjoint("\"'")):
                 at, words = self._read(found, read)
+                # the full stop of `12 lbs. and`, but not of a word that stays
+                if text[at - 1].isalpha() and not words.endswith(text[at - 2 : at]):
+                    at += text.startswith(". ", at) and text[at + 2 : at + 3].islower()
                 yield Replacement(found.start(), at, words.lstrip() if within else words)
             elif grouped := self._grouped.match(text, start.start()):
                 at = grouped.end()
@@ -210,6 +214,9 @@ class AbbreviationKeys:
             # a range rises, but for `1914-18`, and a score such as `3-1` may fall
             if start.isdigit() and end.isdigit() and int(end) < int(start) <= MAX_SCORE:
                 read = self._expansions.get("#:#", read)
+            called = _CALL_SIGN.search(found.string, max(found.start() - 30, 0), found.start())
+            if called and called[0][0].isupper() and len(start) == len(end) == 1 and start >= end:
+                read = "{1} {2}"
         words = ""
         while found.re.pattern in _OPEN_PATTERNS and (before := _BEFORE_LAST.fullmatch(read)):
             first, last = found[1] if before[1] else "", found.lastindex or 0
@@ -249,9 +256,8 @@ class AbbreviationKeys:
         best, read = None, ""
         for _, key in sorted(fitting):
             found = _expression(key).match(text, at)
-            if not found or (best and found.end() <= best.end()):
-                continue
-            if key[0] == "~" and not roman(found[1]):
+            no_numeral = key[0] == "~" and found and not roman(found[1])
+            if not found or no_numeral or (best and found.end() <= best.end()):
                 continue
             in_word = is_spaced(key[-1]) or key[-1] in ".'"
             after = text[found.end() : found.end() + 2]
@@ -259,8 +265,9 @@ class AbbreviationKeys:
             after = after.lstrip("'’") if key[-2:-1] == " " else after
             glued = key[-1] == "." and _UNSPACED_LETTER.match(after)
             titled, choosy, alone = self._expansions[key].partition("|")
+            rank, alone = alone.startswith("|"), alone.lstrip("|")
             particle = self._particle if choosy else None
-            fits = _fits(found, titled, particle)
+            fits = _fits(found, titled, particle, "!?,;" if rank and key[-1] == "." else "")
             words = self._in_case(titled, found) if fits and choosy else titled if fits else alone
             if words and (glued or not (in_word and is_spaced(after[:1]))):
                 best, read = found, words
@@ -292,8 +299,7 @@ class AbbreviationKeys:
             if self._thousands == ",":
                 written = written.replace(",", ", ")  # two numbers, such as `2,3`
             if isinstance(words, Mapping):
-                written = written.lstrip("-")
-                written = str(roman(written) or written)
+                written = str(roman(written) or written.lstrip("-"))
                 return number_words(words, written, self._rules, self._decimal)
             value = int(written) if written.isdigit() else roman(written)
             if 0 < value <= len(words):
@@ -319,11 +325,6 @@ class AbbreviationKeys:
         return left + read + right
 
 
-def _calmed(text: str, case: Callable[[str], str]) -> str:
-    """Return a text in capitals with its words in other cases."""
-    return _SHOUTED.sub(lambda word: case(word[0]), text)
-
-
 def _digits(grouped: re.Match[str]) -> str:
     """Return a number without signs between its thousands."""
     return re.sub(r"\D", "", grouped[0])
@@ -341,10 +342,11 @@ def _either(key: str) -> str:
     return key[0] + (capital if len(capital) == 1 else "")
 
 
-def _fits(found: re.Match[str], read: str, particle: re.Pattern[str] | None) -> bool:
+def _fits(found: re.Match[str], read: str, particle: re.Pattern[str] | None, ends: str) -> bool:
     """Return False for a title without a name: `vitamin D.`, `in Main St.`, `5 m. wide`.
 
     Behind a title that may mean something else, a name has a capital, perhaps after a `particle`.
+    One of the marks `ends` behind a rank is enough: `mon cap. !`.
     """
     key = found[0]
     if read.endswith(".") or not (particle or key.endswith(".")):
@@ -358,7 +360,8 @@ def _fits(found: re.Match[str], read: str, particle: re.Pattern[str] | None) -> 
         before = found.string[max(found.start() - SEEN_KEY_CHARS, 0) : found.start()].rstrip()
         return after[:1].isalpha() and not after[:1].islower() and not before[-1:].isdigit()
     if particle:
-        return after[:1].isupper() or particle.sub("", after, count=1)[:1].isupper()
+        behind = after[:1] + particle.sub("", after, count=1)[:1]
+        return any(one.isupper() or one in ends for one in behind)
     return any(map(str.isalnum, after[:3])) or not key[0].isupper()
 
 
@@ -382,11 +385,13 @@ def roman(numeral: str) -> int:
 @cache
 def _expression(key: str) -> re.Pattern[str]:
     """Return the expression of a key; spaces in it may be missing in a text."""
+    # a space between letters parts two words: `на с.` is no `нас.`
+    key = re.sub(r"(?<=[^\W\d_]) (?=[^\W\d_])", "\0", key)
     parts = [
         (_NUMBER_PATTERN if part == "#" else rf"(\d{{{len(part)}}})")
         if part.startswith("#")
-        else _OPTIONAL_SPACE
-        if part == " "
+        else _OPTIONAL_SPACE.rstrip("?" if part == "\0" else "")
+        if part in " \0"
         else _LETTERS
         if part == "*"
         # "Le" and "Ce" are words, and no numerals with an ending
@@ -426,6 +431,8 @@ _LATIN_LETTERS = "A-Za-zÀ-ɏḀ-ỿ"
 _AFTER_NAME = re.compile(
     rf"(?<![^\W\d_])[^\W\d_]+[ \u00a0]+(?P<numeral>[IVX]{{2,7}})(?![{_LATIN_LETTERS}\d])" + _DOT
 )
+_AFTER_OTHER_NAME = re.compile(r"(?<!\w)[Ά-ΩЀ-Я][ά-ώа-џґ]+ (?P<numeral>[IVX]{1,7})(?!\w)" + _DOT)
+"""A name in other letters, where no numeral is a word or a letter."""
 _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
 _IN_SENTENCE = re.compile(r"\s+(?!of\b)[a-z]")
 """The rest of a sentence behind a pronoun; "of" stands behind a numeral."""
@@ -500,9 +507,8 @@ class Expansions:
     def _roman(self, text: str) -> Iterator[Replacement]:
         if not _NUMERAL_LETTERS.search(text):
             return
-        found: dict[tuple[int, int], str] = {}
         for pattern, ordinals in self._numerals:
-            bare = pattern is _AFTER_NAME
+            bare = pattern in (_AFTER_NAME, _AFTER_OTHER_NAME)
             for one in pattern.finditer(text):
                 beside = text[max(one.start() - 1, 0) : one.start()], text[one.end("numeral") :][:1]
                 if not bare and any(map(is_spaced, beside)):
@@ -515,8 +521,7 @@ class Expansions:
                     text, one.end("numeral")
                 )
                 if number and named and not word:
-                    found.setdefault((one.start("numeral"), one.end()), read)
-        yield from (Replacement(*span, read) for span, read in found.items())
+                    yield Replacement(one.start("numeral"), one.end(), read)
 
     @cached_property
     def _numerals(self) -> list[tuple[re.Pattern[str], tuple[str, ...]]]:
@@ -526,7 +531,8 @@ class Expansions:
         found: list[tuple[re.Pattern[str], tuple[str, ...]]] = []
         for words, ordinals in ((forms.named, forms.ordinals), (forms.counted, ())):
             if words:
-                listed = "|".join(re.escape(word) for word in sorted(words, key=len, reverse=True))
+                known = map(re.escape, sorted(words, key=len, reverse=True))
+                listed = "|".join(known).replace(r"\*", r"[^\W\d_]+[ \u00a0]")
                 before = rf"(?<![A-Za-z])(?i:{listed})[ \u00a0]*"
                 found.append((re.compile(f"{before}{numeral}{_DOT}"), ordinals))
-        return [*found, (_AFTER_NAME, ())] if found else []
+        return [*found, (_AFTER_OTHER_NAME, forms.ordinals), (_AFTER_NAME, ())] if found else []

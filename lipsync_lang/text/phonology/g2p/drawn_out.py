@@ -101,10 +101,9 @@ def drawn_out(token: str, ordinary: Mapping[str, str]) -> ElongatedWord | None:
     # `AAA` may be an abbreviation, and `000` is a number.
     if not any(long) or (len(runs) == 1 and (token.isupper() or not token[0].isalpha())):
         return None
-    known = ordinary.get(_squeezed(plain(token)), "")
-    counts = [1 if drawn else count for (_, count), drawn in zip(runs, long, strict=True)]
-    if known:
-        counts = [len(list(same)) for _, same in groupby(known)]
+    known = groupby(ordinary.get(_squeezed(plain(token)), ""))
+    single = (1 if drawn else count for (_, count), drawn in zip(runs, long, strict=True))
+    counts = [len(list(same)) for _, same in known] or single
     word, places, at = "", [], 0
     for (_, count), drawn, keep in zip(runs, long, counts, strict=True):
         places += [(len(word), count - keep)] if drawn else []
@@ -183,9 +182,8 @@ def begins(start: str, word: str) -> bool:
 
 def spelled_out(start: str, vowels: str) -> bool:
     """Return True for letters that an engine would read by their names, not as a syllable."""
-    if not start.isalpha() or name(start[0], "").startswith(SYLLABIC):
-        return False
-    return len(start) == 1 or not set(folded(start)) & set(vowels)
+    letters = start.isalpha() and not name(start[0], "").startswith(SYLLABIC)
+    return letters and (len(start) == 1 or not set(folded(start)) & set(vowels))
 
 
 def start_labels(

@@ -104,10 +104,8 @@ class OwnWords:
         for cut in range(len(word) - 1, max(len(word) - self._longest, 1) - 1, -1):
             stem, rest = word[:cut], word[cut:].lstrip("'-")
             for last, others in self._endings.items():
-                own = self._words.get(stem + last)
-                if own is None or rest not in others:
-                    continue
-                if written[0].isupper() or stem + last not in self._names:
+                own = self._words.get(stem + last) if rest in others else None
+                if own and (written[0].isupper() or stem + last not in self._names):
                     return _inflected(own, last, rest, others)
         return None
 
