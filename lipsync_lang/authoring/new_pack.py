@@ -91,6 +91,7 @@ def from_template(name: str, **known: object) -> str:
         trim_blocks=True,
         keep_trailing_newline=True,
     )
+    # YAML would take a name such as 007 for a number, and "no" for false.
     environment.filters["yaml"] = on_one_line
     return environment.get_template(f"{name}.jinja").render(known)
 
