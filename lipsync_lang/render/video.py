@@ -118,7 +118,7 @@ def _encode(command: Sequence[str], artist: Artist, times: Sequence[float], log:
             for number, pixels in enumerate(drawn(artist.draw, times)):
                 if time.monotonic() - began > PROGRESS_SECONDS:
                     progress(f"frame {number} of {len(times)} ...")
-                pipe.write(pixels.tobytes())
+                pipe.write(pixels.data)
         failed = process.wait()
     except BaseException:
         process.kill()

@@ -140,9 +140,7 @@ def _nodes(scene: Scene, animation: Animation) -> list[Json]:
         own = moves.get(movable.get(number, ""))
         shown: Json = {"matrix": scene.gltf.local(number).ravel().tolist()}
         if own:
-            shown = {"moves": own} | {
-                name: node.get(name, value) for name, value in NODE_REST.items()
-            }
+            shown = {"moves": own} | {key: node.get(key, it) for key, it in NODE_REST.items()}
         rows.append({"parent": -1 if parent is None else rank[parent]} | shown)
     return rows
 

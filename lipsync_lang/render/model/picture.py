@@ -5,8 +5,8 @@ frame is therefore that of the moving triangles: in speech, those around the mou
 nods, they are all; between two nods, those around the mouth again.
 """
 
-from collections.abc import Callable, Iterator
-from functools import partial
+from collections.abc import Iterator
+from functools import partial, reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -78,9 +78,8 @@ class Artist:
     ) -> None:
         self._scene, self._fine = scene, size * FINE
         self._camera, self._normals = camera or framed(widest or scene), Normals(scene)
-        self._double = self._each(lambda material: material.double)
-        self._cut = self._each(lambda material: material.cutoff > 0)
-        self._textured = self._each(lambda material: material.texture is not None)
+        looks = [(one.double, one.cutoff > 0, one.texture is not None) for one in scene.materials]
+        self._double, self._cut, self._textured = np.array(looks)[scene.material].T.copy()
         self._gloss, self._lit = np.zeros(scene.count), np.ones((scene.count, 1), bool)
         for number, material in enumerate(scene.materials):
             own = scene.triangles[scene.material == number]
@@ -104,10 +103,6 @@ class Artist:
         faces = self._faces(self._scene.rest, still)
         drawn = self._drawn(faces, Window(0, 0, side, side), keys, light)
         return Ground(moved, *drawn)
-
-    def _each(self, of: Callable[[Material], bool]) -> Bools:
-        """Evaluate a property of the material for each triangle: (F,)."""
-        return np.array([of(material) for material in self._scene.materials])[self._scene.material]
 
     def draw(self, seconds: float) -> Pixels:
         """Draw one frame."""
@@ -198,8 +193,7 @@ class Artist:
         alpha = np.array([m.colour[3] for m in scene.materials])[number]
         for one, material, texels in self._texels(faces, samples):
             alpha[one] = material.colour[3] * texels[:, 3] / 255
-        cutoff = np.array([m.cutoff for m in scene.materials])[number]
-        return alpha >= cutoff
+        return alpha >= np.array([m.cutoff for m in scene.materials])[number]
 
     def _texels(self, faces: Faces, samples: Samples) -> Iterator[tuple[Ints, Material, Pixels]]:
         """Yield each textured material with its samples and their texture values."""
@@ -227,7 +221,6 @@ def _pixels(light: Singles) -> Pixels:
         made = np.empty((light.shape[1] // FINE, light.shape[2] // FINE, 3), np.uint8)
         kernel.compiled.average(light, *light.shape[:0:-1], FINE, SHADES, made)
         return made
-    total = light[:, ::FINE, ::FINE].copy()
-    for row, column in list(np.ndindex(FINE, FINE))[1:]:
-        total += light[:, row::FINE, column::FINE]
+    parts = [light[:, row::FINE, column::FINE] for row, column in np.ndindex(FINE, FINE)]
+    total: Singles = reduce(np.add, parts)
     return encoded(total / FINE**2).transpose(1, 2, 0)

@@ -94,10 +94,8 @@ def fill(  # noqa: PLR0913, PLR0917 the buffers and a triangle
     # `maximum` does both the depth test and the write.
     near = start.astype("<f4")[span]
     near += along.astype("<f4")[triangle][span] * step
-    made = np.empty((len(near), 2), "<u4")  # little-endian: low half of a key, then the high one
-    made[:, 0] = (names[triangle] + 1).astype("<u4")[span]
-    made[:, 1] = near.view("<u4")
-    new, where = made.view("<u8")[:, 0], place[span] + step
+    new = near.view("<u4").astype("<u8") << 32 | (names[triangle] + 1).astype("<u8")[span]
+    where = place[span] + step
     if seen is not None:
         some = seen(Samples(first[span] + step, y[span], triangle[span]))
         new, where = new[some], where[some]
