@@ -38,6 +38,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
     if arguments is None:  # as a program: a start makes many objects, and drops few
         gc.set_threshold(20_000)
+        # Pydantic would look for plug-ins of its own in all installed packages.
+        os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     _encode_all()
     try:
         with terminating(), safe_streams():

@@ -11,12 +11,12 @@ from pathlib import Path
 
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.base.json_object import Json
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.production.builds.planned_line import PlannedLine
 from lipsync_lang.production.builds.script import read_script
 from lipsync_lang.production.builds.timing import schedules
 from lipsync_lang.production.builds.timing_formats import open_project
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 MAX_LISTED = 100
 """Maximum number of lines in a response."""
@@ -123,10 +123,12 @@ class ProjectLines:
             )
         return self._on(own[name], character)
 
-    def schedule(self, line: PlannedLine, speaker: Speaker, engine: str | None = None) -> Schedule:
+    def schedule(
+        self, line: PlannedLine, performer: Performer, engine: str | None = None
+    ) -> Schedule:
         """Time the phonemes of a line as in a build; raise LipsyncError if that fails."""
         assert self._file is not None  # noqa: S101 a line is of a project
-        (timed,) = schedules(self._file.parent, [line], speaker, engine)
+        (timed,) = schedules(self._file.parent, [line], performer, engine)
         if isinstance(timed, LipsyncError):
             raise LipsyncError(f"{line.place}: {timed}") from None
         if isinstance(timed, Exception):

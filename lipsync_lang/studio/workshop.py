@@ -456,7 +456,7 @@ class Workshop:
         performer = self.performer
         line = self.script.line(performer.compiled.language, name, performer.compiled.character)
         text = as_marked(line.text, self._stated.get(line.name, {}).get("text"))
-        schedule = self.script.schedule(replace(line, text=text), performer.speaker, self.engine)
+        schedule = self.script.schedule(replace(line, text=text), performer, self.engine)
         performer.common_phonemes(schedule)  # refuses labels of no notation
         self.take_up(schedule, text or " ".join(word.text for word in schedule.words))
         self.plain_text, self.script_line = line.text or self.text, line

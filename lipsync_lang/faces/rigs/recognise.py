@@ -26,7 +26,6 @@ from lipsync_lang.faces.rigs.model import Model, some
 from lipsync_lang.faces.rigs.read_outs import measured, still_shapes
 from lipsync_lang.faces.rigs.shape_matching import on_mesh
 from lipsync_lang.packs import models
-from lipsync_lang.packs.checking.rig_checks import check_rig
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.rig_models import channels_of, plain_channels, pose_names
 from lipsync_lang.packs.pack import Pack
@@ -266,6 +265,8 @@ def mouth_gains(channels: Sequence[Channel], model: Model) -> Floats | None:
 
 def _matches(library: Library, poseset: models.PoseSet, model: Model) -> Iterator[Match]:
     """Yield non-empty matches: the pose set alone, and each of its valid rigs."""
+    from lipsync_lang.packs.checking.rig_checks import check_rig
+
     poses, every = (*poseset.poses,), poseset.having(poseset.optional_poses)
     found = _played(bare((*every.poses,), pose_names(every)), model)
     if found.places:

@@ -153,8 +153,9 @@ class LineMaker:
         """Yield the schedule of each line; characters with the same speech share it."""
         compiled = [pairs[line.character].performer.compiled for line in lines]
         marked = [
-            replace(line, text=marked_text(who, line.text, line.name))
+            line if text == line.text else replace(line, text=text)
             for line, who in zip(lines, compiled, strict=True)
+            for text in [marked_text(who, line.text, line.name)]
         ]
         keys = [(pairs[line.character].speech, line.name, line.text) for line in marked]
         # Reversed, so that the first of the lines with equal keys stays.
@@ -163,8 +164,8 @@ class LineMaker:
         for speech in dict.fromkeys(speech for speech, *_ in asked):
             own = [line for (one, *_), line in asked.items() if one == speech]
             pair = pairs[own[0].character]
-            speaker, cache = pair.performer.speaker, self.cache(pair)
-            timed = schedules(self.folder, own, speaker, self.settings.tts, cache)
+            asked_of = pair.performer, self.settings.tts, partial(self.cache, pair)
+            timed = schedules(self.folder, own, *asked_of)
             known |= {
                 (speech, line.name, line.text): one for line, one in zip(own, timed, strict=True)
             }

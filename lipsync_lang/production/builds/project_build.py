@@ -10,7 +10,7 @@ a text changes. It is a folder of the cache (decision 0002).
 """
 
 import shutil
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from fractions import Fraction
@@ -53,7 +53,6 @@ from lipsync_lang.production.builds.timing_formats import (
     plain_formats,
 )
 from lipsync_lang.resolver.cache import compiler, folder
-from lipsync_lang.resolver.language_tables import manner_of
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.sound.speech.hearing.adaptation import SpokenFile, adapt, write_adapted
 from lipsync_lang.sound.speech.hearing.align.pocketsphinx_aligner import models_of
@@ -461,10 +460,15 @@ def extras_of_project(
     for line in lines or ():
         if line.timings is None:
             heard.setdefault(line.language, set()).add(line.audio is not None)
-    for name, ways in heard.items():
-        manner = manner_of(library.language(name), library.common().model)
-        needed[name] = [*engines_of(manner, spoken=False in ways, heard=True in ways, tts=tts)]
-    return needed
+    return needed | {name: _engines(library, name, ways, tts) for name, ways in heard.items()}
+
+
+def _engines(library: Library, name: str, ways: Collection[bool], tts: str | None) -> list[str]:
+    """Return the engines of a language: `ways` has True for recordings, and False for texts."""
+    from lipsync_lang.resolver.language_tables import manner_of
+
+    manner = manner_of(library.language(name), library.common().model)
+    return [*engines_of(manner, spoken=False in ways, heard=True in ways, tts=tts)]
 
 
 def check_installed(

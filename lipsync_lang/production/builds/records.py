@@ -105,6 +105,8 @@ class Records:
             connection.execute("SELECT name, number FROM need").fetchall()
         )
         self.names: dict[int, str] = {number: name for name, number in self.numbers.items()}
+        self._new: list[tuple[int, str]] = []
+        """Needs that are written with the next lines."""
 
     @classmethod
     @contextmanager
@@ -186,15 +188,10 @@ class Records:
 
     def packed(self, needs: Mapping[str, bytes]) -> bytes:
         """Number the needs that are new, and return all as bytes of `NEED`."""
-        new = [name for name in needs if name not in self.numbers]
-        for name in new:
+        for name in [name for name in needs if name not in self.numbers]:
             number = len(self.numbers)
             self.numbers[name], self.names[number] = number, name
-        if new:
-            self._base.executemany(
-                "INSERT INTO need (number, name) VALUES (?, ?)",
-                [(self.numbers[name], name) for name in new],
-            )
+            self._new.append((number, name))
         out = np.empty(len(needs), NEED)
         out["number"] = [self.numbers[name] for name in needs]
         out["digest"] = np.frombuffer(b"".join(needs.values()), "<u8")
@@ -203,6 +200,8 @@ class Records:
     def put(self, records: Iterable[tuple[Key, LineRecord]]) -> None:
         """Write records in one transaction, safe from a loss of power."""
         now = time.time_ns()
+        self._base.executemany("INSERT INTO need (number, name) VALUES (?, ?)", self._new)
+        self._new.clear()
         self._base.executemany(
             "INSERT OR REPLACE INTO line VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
             [

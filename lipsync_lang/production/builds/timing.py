@@ -7,11 +7,11 @@ compiled pair is: it must be whole, and it holds data alone (decision 0002).
 """
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, fields, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -22,7 +22,9 @@ from lipsync_lang.production.builds.planned_line import PlannedLine
 from lipsync_lang.resolver.cache import delete_oldest, folder, sealed, unsealed
 from lipsync_lang.schedules.schedule import Audio, Schedule, Word
 from lipsync_lang.sound.speech.sound import read_audio
-from lipsync_lang.sound.speech.speaking.speaker import Speaker
+
+if TYPE_CHECKING:
+    from lipsync_lang.performing.performer import Performer
 
 MARK = b"lipsync-lang timings, version 2\n"
 
@@ -135,22 +137,24 @@ def _decoded(content: memoryview, recording: Audio | None) -> Schedule:
 def schedules(
     folder: Path,
     lines: Sequence[PlannedLine],
-    speaker: Speaker,
+    performer: "Performer",
     engine: str | None = None,
-    cache: TimingCache | None = None,
+    opened: Callable[[], TimingCache | None] = lambda: None,
 ) -> list[ScheduleOrError]:
     """Time the phonemes of lines by their timings, their recordings, or only their text.
 
     `engine` is another speech engine than the language's; `none` estimates times. Lines whose
-    timings are in the cache are not timed again.
+    timings are in the cache are not timed again. Timings with phonemes need neither the cache,
+    which is opened for other lines, nor the performer's language.
     """
+    cache = opened() if any(line.timings is None for line in lines) else None
     out: dict[int, ScheduleOrError] = {}
     told: dict[int, tuple[Path, str]] = {}
     heard: dict[int, Path] = {}
     silent: dict[int, str] = {}
     for at, line in enumerate(lines):
         if line.timings is not None:
-            out[at] = attempt(partial(_from_timings, speaker, folder, line, cache))
+            out[at] = attempt(partial(_from_timings, performer, folder, line, opened))
         elif cache is not None and (known := cache.load(line)):
             out[at] = known
         elif line.audio is None:
@@ -159,20 +163,35 @@ def schedules(
             told[at] = folder / line.audio, line.text
         else:
             heard[at] = folder / line.audio
-    # without a recording, the models of hearing would be loaded for nothing
-    if told:
-        from lipsync_lang.sound.speech.hearing.alignment import align_many
-
-        out |= zip(told, align_many(speaker, told.values()), strict=True)
-    if heard:
-        from lipsync_lang.sound.speech.hearing.recognition import recognise_many
-
-        out |= zip(heard, recognise_many(speaker, heard.values()), strict=True)
-    out |= zip(silent, speaker.speak_many(silent.values(), engine=engine), strict=True)
+    out |= _without_timings(performer, told, heard, silent, engine)
     if cache is not None:
         for at in (*told, *heard, *silent):
             cache.save(lines[at], out[at])
     return [out[at] for at in range(len(lines))]
+
+
+def _without_timings(
+    performer: "Performer",
+    told: Mapping[int, tuple[Path, str]],
+    heard: Mapping[int, Path],
+    silent: Mapping[int, str],
+    engine: str | None,
+) -> dict[int, ScheduleOrError]:
+    """Time recordings with a text and without one, and texts without a recording."""
+    out: dict[int, ScheduleOrError] = {}
+    # without a recording, the models of hearing would be loaded for nothing
+    if told:
+        from lipsync_lang.sound.speech.hearing.alignment import align_many
+
+        out |= zip(told, align_many(performer.speaker, told.values()), strict=True)
+    if heard:
+        from lipsync_lang.sound.speech.hearing.recognition import recognise_many
+
+        out |= zip(heard, recognise_many(performer.speaker, heard.values()), strict=True)
+    if silent:
+        spoken = performer.speaker.speak_many(silent.values(), engine=engine)
+        out |= zip(silent, spoken, strict=True)
+    return out
 
 
 def attempt(call: Callable[[], CallResult]) -> CallResult | Exception:
@@ -184,22 +203,29 @@ def attempt(call: Callable[[], CallResult]) -> CallResult | Exception:
 
 
 def _from_timings(
-    speaker: Speaker, folder: Path, line: PlannedLine, cache: TimingCache | None
+    performer: "Performer",
+    folder: Path,
+    line: PlannedLine,
+    opened: Callable[[], TimingCache | None],
 ) -> Schedule:
-    from lipsync_lang.schedules.timed_words import TimedWords
+    from lipsync_lang.schedules.timed_words import TimedWords, words_without_phonemes
     from lipsync_lang.schedules.timing_file import unnamed_encoding
     from lipsync_lang.schedules.timing_readers import read_timings
-    from lipsync_lang.sound.speech.filling import with_phonemes
 
     assert line.timings is not None  # noqa: S101 the caller asked for lines with timings
     with unnamed_encoding():
         found = read_timings(folder / line.timings)
     audio = None if line.audio is None else folder / line.audio
+    if audio is None and isinstance(found, Schedule) and not words_without_phonemes(found):
+        return found
+    from lipsync_lang.sound.speech.filling import with_phonemes
+
     if isinstance(found, TimedWords):
+        cache = opened()
         made = cache.load(line) if cache is not None else None
         if made is None:
-            made = with_phonemes(speaker, found, audio=audio)
+            made = with_phonemes(performer.speaker, found, audio=audio)
             if cache is not None:
                 cache.save(line, made)
         return made
-    return with_phonemes(speaker, found, audio=audio)
+    return with_phonemes(performer.speaker, found, audio=audio)

@@ -47,15 +47,15 @@ def derivative(curve: Floats, fps: float, order: int) -> Floats:
 
 def high_share(curve: Floats, fps: float) -> float:
     """Return the share of a curve's power above `HIGH_HERTZ`, without its mean."""
-    window, above = _spectrum(len(curve), fps)
-    power = np.abs(np.fft.rfft((curve - curve.mean()) * window)) ** 2
-    return float(power[above].sum() / max(power.sum(), sys.float_info.min))
+    window, first = _spectrum(len(curve), fps)
+    power = np.abs(np.fft.rfft((curve - curve.sum() / len(curve)) * window)) ** 2
+    return float(power[first:].sum() / max(power.sum(), sys.float_info.min))
 
 
 @lru_cache(maxsize=512)  # the lengths of the lines of a script
-def _spectrum(count: int, fps: float) -> tuple[Floats, Bools]:
-    """Return the window for a number of frames, and the part of the spectrum above `HIGH_HERTZ`."""
-    return np.hanning(count), np.fft.rfftfreq(count, 1 / fps) > HIGH_HERTZ
+def _spectrum(count: int, fps: float) -> tuple[Floats, int]:
+    """Return the window for some frames, and the start of the spectrum above `HIGH_HERTZ`."""
+    return np.hanning(count), int(np.fft.rfftfreq(count, 1 / fps).searchsorted(HIGH_HERTZ, "right"))
 
 
 def turns(curve: Floats) -> int:

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.production.builds.planned_line import PlannedLine
@@ -53,7 +54,7 @@ def test_each_line_is_timed_by_what_it_has(tmp_path, monkeypatch):
         line("h", timings="h.csv"),
     ]
     (tmp_path / "h.csv").write_bytes("label,start,end\nÄ,0,1\n".encode("cp1252"))
-    found = schedules(tmp_path, lines, voice, "espeak")
+    found = schedules(tmp_path, lines, SimpleNamespace(speaker=voice), "espeak")
     assert (found[0], found[6]) == ("espeak says Hello.", "espeak says Oh.")
     assert (found[1], found[4]) == ("b.wav with Well?", "e.wav with Bye.")
     assert str(found[2]) == "c.wav is silent"
@@ -61,3 +62,14 @@ def test_each_line_is_timed_by_what_it_has(tmp_path, monkeypatch):
     assert "missing.json" in str(found[5])
     assert str(found[7]).endswith("save it as UTF-8")
     assert (voice.asked, sorted(taken)) == (1, ["align", "recognise"])
+
+
+def test_timings_with_phonemes_need_neither_a_language_nor_the_cache(tmp_path):
+    rows = [{"label": "AA", "start": 0, "end": 1}]
+    (tmp_path / "d.json").write_text(json.dumps({"notation": "arpabet", "phonemes": rows}))
+    opened = []
+    (found,) = schedules(
+        tmp_path, [line("d", timings="d.json")], object(), opened=lambda: opened.append("cache")
+    )
+    assert found.labels == ("AA",)
+    assert not opened

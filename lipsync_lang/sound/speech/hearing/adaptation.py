@@ -43,9 +43,9 @@ from lipsync_lang.sound.speech.hearing.sphinx.line_search import best_heard
 from lipsync_lang.sound.speech.hearing.sphinx.scheduling import line_confidence
 from lipsync_lang.sound.speech.results import raised
 from lipsync_lang.sound.speech.sound import read_audio
-from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 if TYPE_CHECKING:
+    from lipsync_lang.sound.speech.speaking.speaker import Speaker
     from lipsync_lang.sound.speech.speaking.transcripts import Transcript
 
 LEAST_CONFIDENCES = (0.1, DOUBTFUL)
@@ -218,7 +218,7 @@ def spoken_files(folder: Path) -> list[SpokenFile]:
     return found
 
 
-def adapt(speaker: Speaker, lines: Sequence[SpokenFile], models: Models) -> Adaptation:
+def adapt(speaker: "Speaker", lines: Sequence[SpokenFile], models: Models) -> Adaptation:
     """Adapt the model of a language to recordings of a voice, or of several.
 
     A line whose text does not fit is left out. With fewer than `MIN_LINES` it is a `SpeechError`.
@@ -248,7 +248,7 @@ def adapt(speaker: Speaker, lines: Sequence[SpokenFile], models: Models) -> Adap
 
 
 def _frames(
-    speaker: Speaker, lines: Sequence[SpokenFile], models: Models, turn: int
+    speaker: "Speaker", lines: Sequence[SpokenFile], models: Models, turn: int
 ) -> tuple[dict[Path, AlignedFrames], list[str]]:
     """Return the frames of the lines that fit, and the reasons of the other lines."""
     fitting: dict[Path, AlignedFrames] = {}
