@@ -45,7 +45,7 @@ before any is used. There is no static state; the GIL is released while the stag
 typedef Py_ssize_t Size;
 typedef unsigned char Byte;
 
-#define INTERFACE 8         /* kernel.py: another number wherever calls or arguments change */
+#define INTERFACE 9         /* kernel.py: another number wherever calls or arguments change */
 #define RESOLUTION 128      /* tables.py */
 #define TOUCH 1e-7          /* warp.py */
 #define MARGIN 0.030        /* hold.py */
@@ -1231,6 +1231,8 @@ precision of numpy's, single or double, and in its order. */
 #define LONGEST_SIDE 65536  /* samples of a window */
 #define MOST_TRIANGLES (1 << 28)
 #define MOST_VALUES 16      /* of the look of a triangle */
+#define TEXTURED 7          /* values of a look with a texture; 4 are light */
+#define SRGB_STEPS 256
 
 typedef unsigned long long Key;
 
@@ -1349,46 +1351,122 @@ static PyObject *fill(PyObject *module, PyObject *const *args, Py_ssize_t nargs)
 }
 
 typedef struct {
+    Py_buffer view; /* (height, width, 4) */
+    int open;
+} Texture;
+
+typedef struct {
     const Size *rank; /* (names,) number among the triangles that are drawn; -1 of others */
     Size names, count, values;
-    const float *looks; /* (3, values, count) */
+    const float *looks;   /* (3, values, count) */
+    const Size *textured; /* (count,) number of a texture; -1 without one */
+    Size kinds;
+    Texture *textures;    /* (kinds,) */
+    const double *linear; /* (SRGB_STEPS,) */
 } Surface;
 
-/* picture.py: `_drawn` and `_at`, for the samples of a row, of surfaces without textures */
+/* scene.py: `Material.texels`, a row or column of a texture, which repeats */
+INLINE Size texel_at(float place, Size count)
+{
+    const float at = floorf(place * (float)count);
+    const Size whole = at > -9e18f && at < 9e18f ? (Size)at : PY_SSIZE_T_MIN; /* as numpy converts it */
+    return whole % count + (whole % count < 0 ? count : 0);
+}
+
+/* picture.py: `_drawn` and `_at`, for the samples of a row */
 static void shade_row(const Key *keys, float *light, Size plane, Size width, float left, float row, const Surface *of)
 {
     const Size step = of->values * of->count;
-    float first[4] = {0}, along[4] = {0}, down[4] = {0};
+    float first[TEXTURED] = {0}, along[TEXTURED] = {0}, down[TEXTURED] = {0};
+    const Py_buffer *texture = NULL;
     Size last = -1;
     for (Size x = 0; x < width; x++) {
         const Size name = (Size)(keys[x] & 0xFFFFFFFFu) - 1;
         const Size rank = name >= 0 && name < of->names ? of->rank[name] : -1;
         if (rank < 0 || rank >= of->count)
             continue;
-        if (rank != last)
-            for (int i = 0; i < 4; i++) {
+        if (rank != last) {
+            texture = of->textured[rank] < 0 ? NULL : &of->textures[of->textured[rank]].view;
+            for (int i = 0; i < (texture ? TEXTURED : 4); i++) {
                 const float *look = of->looks + i * of->count + rank;
                 first[i] = look[0];
                 along[i] = look[step];
                 down[i] = look[2 * step] * row;
             }
+        }
         last = rank;
-        const float column = (float)x + left, white = first[3] + along[3] * column + down[3];
+        const float column = (float)x + left;
+        float look[TEXTURED];
+        for (int i = 0; i < (texture ? TEXTURED : 4); i++)
+            look[i] = first[i] + along[i] * column + down[i];
+        if (texture) {
+            const Size across = texel_at(look[4] / look[6], texture->shape[1]);
+            const Byte *texel = texture->buf;
+            texel += 4 * (texel_at(look[5] / look[6], texture->shape[0]) * texture->shape[1] + across);
+            for (int i = 0; i < 3; i++)
+                look[i] = (float)((double)look[i] * of->linear[texel[i]]);
+        }
         for (int i = 0; i < 3; i++)
-            light[i * plane + x] = first[i] + along[i] * column + down[i] + white;
+            light[i * plane + x] = look[i] + look[3];
     }
 }
 
-/* shade(keys, left, top, right, bottom, light, rank, values, count, looks): light of what the keys show */
+static void release_textures(Surface *of)
+{
+    for (Size i = 0; of->textures && i < of->kinds; i++)
+        if (of->textures[i].open)
+            PyBuffer_Release(&of->textures[i].view);
+    free(of->textures);
+}
+
+/* Read a tuple of textures, with None for materials without one; 0, with an exception, if triangles lack theirs. */
+static int read_textures(PyObject *given, Surface *of)
+{
+    if (!PyTuple_Check(given)) {
+        PyErr_SetString(PyExc_TypeError, "textures are a tuple");
+        return 0;
+    }
+    of->kinds = PyTuple_Size(given);
+    of->textures = calloc((size_t)of->kinds + 1, sizeof(Texture));
+    if (!of->textures) {
+        PyErr_NoMemory();
+        return 0;
+    }
+    for (Size i = 0; i < of->kinds; i++) {
+        PyObject *item = PyTuple_GetItem(given, i);
+        Texture *one = &of->textures[i];
+        if (item == Py_None)
+            continue;
+        if (PyObject_GetBuffer(item, &one->view, PyBUF_ND) < 0)
+            return 0;
+        one->open = 1;
+        const Py_buffer *view = &one->view;
+        if (view->ndim != 3 || view->itemsize != 1 || view->shape[2] != 4 || view->len == 0) {
+            PyErr_SetString(PyExc_ValueError, "a texture has rows of columns of four bytes");
+            return 0;
+        }
+    }
+    for (Size i = 0; i < of->count; i++) {
+        const Size number = of->textured[i];
+        if (number >= of->kinds || (number >= 0 && (!of->textures[number].open || of->values < TEXTURED))) {
+            PyErr_Format(PyExc_ValueError, "no texture %zd", number);
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* shade(keys, left, top, right, bottom, light, rank, values, count, looks, textured, textures, linear): light of what
+the keys show */
 static PyObject *shade(PyObject *module, PyObject *const *args, Py_ssize_t nargs)
 {
     (void)module;
     Views views = {.views = 0};
     Window box;
-    Surface of = {.count = nargs == 10 ? PyLong_AsSsize_t(args[8]) : -1};
+    Surface of = {.count = nargs == 13 ? PyLong_AsSsize_t(args[8]) : -1};
     if (of.count < 0 || of.count > MOST_TRIANGLES) {
         if (!PyErr_Occurred())
-            PyErr_SetString(PyExc_ValueError, "shade takes 10 arguments: keys, a window, light, rank, values, ...");
+            PyErr_SetString(PyExc_ValueError, "shade takes 13 arguments: keys, a window, light, rank, values, ...");
         return NULL;
     }
     of.names = PyObject_Size(args[6]);
@@ -1404,14 +1482,18 @@ static PyObject *shade(PyObject *module, PyObject *const *args, Py_ssize_t nargs
     float *light = keys ? keep_writable(&views, args[5], sizeof(float), 3 * plane, "light") : NULL;
     of.rank = light ? keep(&views, args[6], sizeof(Size), of.names, "rank") : NULL;
     of.looks = of.rank ? keep(&views, args[9], sizeof(float), 3 * of.values * of.count, "looks") : NULL;
-    if (of.looks) {
+    of.textured = of.looks ? keep(&views, args[10], sizeof(Size), of.count, "textured") : NULL;
+    of.linear = of.textured ? keep(&views, args[12], sizeof(double), SRGB_STEPS, "linear") : NULL;
+    const int sound = of.linear && read_textures(args[11], &of);
+    if (sound) {
         Py_BEGIN_ALLOW_THREADS
         for (Size y = 0; y < box.bottom - box.top; y++)
             shade_row(keys + y * width, light + y * width, plane, width, (float)box.left, (float)(y + box.top), &of);
         Py_END_ALLOW_THREADS
     }
+    release_textures(&of);
     release_views(&views);
-    return of.looks ? Py_NewRef(Py_None) : NULL;
+    return sound ? Py_NewRef(Py_None) : NULL;
 }
 
 /* light.py: `encoded`, the step of its table */

@@ -13,7 +13,7 @@ SWITCH = "LIPSYNC_LANG_KERNEL"
 """Environment variable; `off` disables the compiled kernel."""
 
 
-INTERFACE = 8
+INTERFACE = 9
 """Version of the calls and arguments; a library with another version is from other code."""
 
 

@@ -80,6 +80,8 @@ class Artist:
         self._camera, self._normals = camera or framed(widest or scene), Normals(scene)
         looks = [(one.double, one.cutoff > 0, one.texture is not None) for one in scene.materials]
         self._double, self._cut, self._textured = np.array(looks)[scene.material].T.copy()
+        self._texture = np.where(self._textured, scene.material, -1)
+        self._textures = tuple(one.texture for one in scene.materials)
         self._gloss, self._lit = np.zeros(scene.count), np.ones((scene.count, 1), bool)
         for number, material in enumerate(scene.materials):
             own = scene.triangles[scene.material == number]
@@ -172,8 +174,10 @@ class Artist:
                 fill(flat, window, faces.corners[own], faces.depth[own], faces.names[own], seen)
         rank = np.full(len(self._scene.triangles), -1, np.intp)
         rank[faces.names] = np.arange(len(faces.names))
-        if kernel.compiled is not None and not self._textured[faces.names].any():
-            kernel.compiled.shade(flat, *window, pixels, rank, *faces.looks.shape[1:], faces.looks)
+        if kernel.compiled is not None:
+            textures = self._texture[faces.names], self._textures, LINEAR_LIGHT
+            looks = faces.looks
+            kernel.compiled.shade(flat, *window, pixels, rank, *looks.shape[1:], looks, *textures)
             return keys, light, _pixels(light)
         changed = np.flatnonzero(keys != still)
         for place in np.split(changed, range(SHADED, len(changed), SHADED)):
