@@ -36,9 +36,11 @@ FOLDER_NUMBERS = count()
 def pytest_configure(config):
     """Keep tests away from the user's cache and packs, even during collection.
 
+    Garbage is collected more rarely: to do so after every 700 objects takes 6 % of the processor.
     One cache serves the workers of a run: they are started later, and inherit the environment.
     A folder for it can be named, so that several runs share it.
     """
+    gc.set_threshold(50_000, 20, 100)
     if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # as in jobs in the background
         signal.signal(signal.SIGINT, signal.default_int_handler)
     if hasattr(config, "workerinput"):
@@ -78,13 +80,9 @@ def _is_compiled(path):
 
 
 def pytest_collection_finish():
-    """Leave the collected tests out of every later garbage collection, and collect more rarely.
-
-    To collect after every 700 objects takes 6 % of the processor.
-    """
+    """Leave the collected tests out of every later garbage collection."""
     gc.collect()
     gc.freeze()
-    gc.set_threshold(50_000, 20, 100)
 
 
 def pytest_report_header():
