@@ -93,7 +93,7 @@ def test_targets_gain_the_poses_that_captures_show():
     pair, performer, _, said, _ = example(lines=4)
     lines = lay_lines(performer, captured(performer, said), FPS)
     face = FitFace.of(pair, lines)
-    name, pose = face.names.index("s"), performer.poses.index("wide")
+    name, pose = face.names.index("s"), performer.poses.index("FV")
     assert not face.start.mentioned[name, pose]
     weights, dominance = face.start.weights.copy(), face.start.dominance.copy()
     weights[name, 0, pose], dominance[name, pose] = 0.5, 0.0
@@ -102,8 +102,8 @@ def test_targets_gain_the_poses_that_captures_show():
     fit = fit_captures(pair, performer, captured(Performer(tables, performer.motion), said))
     (item,) = [one for one in fit.proposal.items if one.item == "targets.s"]
     (step,) = item.value
-    assert step["wide"] == pytest.approx(0.5, abs=0.08)
-    assert "wide" not in item.was[0]
+    assert step["FV"] == pytest.approx(0.5, abs=0.08)
+    assert "FV" not in item.was[0]
 
 
 ANNA = """kind: character
