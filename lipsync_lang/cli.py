@@ -4,6 +4,7 @@ Data goes to stdout, messages to stderr. Exit codes: 0 success; 1 faults found; 
 143 for interruption and termination, as in shells.
 """
 
+import atexit
 import gc
 import logging
 import os
@@ -38,6 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
     if arguments is None:  # as a program: a start makes many objects, and drops few
         gc.set_threshold(20_000)
+        atexit.register(gc.freeze)  # the end would look for cycles among all objects, in vain
         # Pydantic would look for plug-ins of its own in all installed packages.
         os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     _encode_all()

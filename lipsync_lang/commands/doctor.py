@@ -4,16 +4,6 @@ import sys
 from argparse import Namespace
 from time import perf_counter
 
-from lipsync_lang.commands.doctor_checks import (
-    ALWAYS,
-    BROKEN,
-    CHECKS,
-    MISSING,
-    MORE_CHECKS,
-    OPTIONAL,
-    PROJECT,
-    CheckedPart,
-)
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, working
 from lipsync_lang.commands.registry import handler
 
@@ -21,10 +11,13 @@ from lipsync_lang.commands.registry import handler
 @handler("doctor", "check the installation, and say how to mend it", "doctor")
 def doctor(options: Namespace) -> int:
     """Print the state of every part; parts that are broken or that the project lacks are faults."""
+    from lipsync_lang.commands import doctor_checks
+    from lipsync_lang.commands.doctor_checks import BROKEN, MISSING, PROJECT, CheckedPart
+
     start = perf_counter()
     with working("checking"):
         found: list[CheckedPart] = []
-        for check in (*CHECKS, *MORE_CHECKS.values()):
+        for check in (*doctor_checks.CHECKS, *doctor_checks.MORE_CHECKS.values()):
             try:
                 found += list(check())
             except Exception as error:  # noqa: BLE001 any error in a check is its finding
@@ -36,7 +29,7 @@ def doctor(options: Namespace) -> int:
         from lipsync_lang.base.presentation.text_table import columns
 
         rows = list(columns([(one.state, one.part, one.told) for one in found]))
-        for section in (ALWAYS, PROJECT, OPTIONAL):
+        for section in (doctor_checks.ALWAYS, PROJECT, doctor_checks.OPTIONAL):
             own = [row for row, one in zip(rows, found, strict=True) if one.section == section]
             if own:
                 print("\n".join([f"{section}:", *own]))

@@ -28,7 +28,8 @@ def parser(first: str | None = None) -> argparse.ArgumentParser:
     Parameters
     ----------
     first : first argument of the command line; if it is a built-in command, that one is enough,
-        and neither the other commands nor the entry points of plug-ins are read
+        and neither the other commands nor the entry points of plug-ins are read; `--version` needs
+        no command, and `--help` only their titles
     """
     top = argparse.ArgumentParser(
         prog="lipsync-lang",
@@ -43,11 +44,12 @@ def parser(first: str | None = None) -> argparse.ArgumentParser:
     top.set_defaults(command=welcome, quiet=False, verbose=False)
     known = top.add_subparsers(title="commands", metavar="COMMAND", required=False)
     # The order of registration depends on the imports before, and the help must not.
-    names = [first] if first in COMMANDS.modules else [*COMMANDS.modules, *sorted(COMMANDS)]
+    alone, titles = first in (*COMMANDS.modules, "--version"), first in ("-h", "--help")
+    names = [str(first)] if alone else [*COMMANDS.modules, *sorted(COMMANDS)]
     for name in dict.fromkeys(names):
-        if " " not in name:
-            add_command(known, name)
-    for _, made in leaves(top):
+        if " " not in name and name[0] != "-":
+            add_command(known, name, whole=not titles)
+    for _, made in leaves(top) if not titles else ():
         add_options(made.add_mutually_exclusive_group(), option_sets()["words"])
     return top
 

@@ -76,8 +76,10 @@ def handler(name: str, title: str, example: str, *, more: str = "") -> Callable[
     return register
 
 
-def add_command(known: "Subparsers[argparse.ArgumentParser]", name: str) -> None:
-    """Add a command, or an action such as `bank fit`, to a parser."""
+def add_command(
+    known: "Subparsers[argparse.ArgumentParser]", name: str, *, whole: bool = True
+) -> None:
+    """Add a command, or an action such as `bank fit`, to a parser; its title alone if not whole."""
 
     def add(
         handler: Handler | None, title: str, example: str, *, more: str = ""
@@ -90,7 +92,7 @@ def add_command(known: "Subparsers[argparse.ArgumentParser]", name: str) -> None
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         made.set_defaults(command=handler)
-        add_options(made, option_sets().get(name, ()))
+        add_options(made, option_sets().get(name, ()) if whole else ())
         return made
 
     COMMANDS[name](add)

@@ -387,7 +387,7 @@ def test_a_removed_plug_in_is_named_with_what_it_costs(cli, healthy, monkeypatch
         "[lipsync_lang.doctor_checks]\nfar = lipsync_lang.away.far.far_check\n"
     )
     monkeypatch.syspath_prepend(healthy / "site")
-    monkeypatch.setattr(doctor, "MORE_CHECKS", {})
+    monkeypatch.setattr(doctor_checks, "MORE_CHECKS", {})
     ended = cli("doctor", "--json")
     found = {one["part"]: one for one in json.loads(ended.out) if "removed" in one["told"]}
     assert {name: one["told"] for name, one in found.items()} == {
@@ -404,8 +404,8 @@ def test_a_check_that_fails_is_a_broken_part(cli, monkeypatch):
         raise ZeroDivisionError("no reason")
         yield
 
-    monkeypatch.setattr(doctor, "CHECKS", (_odd,))
-    monkeypatch.setattr(doctor, "MORE_CHECKS", {})
+    monkeypatch.setattr(doctor_checks, "CHECKS", (_odd,))
+    monkeypatch.setattr(doctor_checks, "MORE_CHECKS", {})
     ended = cli("doctor")
     assert ended.code == 1
     assert "broken  odd  ZeroDivisionError: no reason" in ended.out
@@ -443,7 +443,7 @@ def test_an_import_that_hangs_is_given_up(tmp_path, monkeypatch):
     assert doctor_checks._extra(extra).state == "broken"  # noqa: SLF001
 
 
-CHECKS = {check.__name__.strip("_"): check for check in doctor.CHECKS}
+CHECKS = {check.__name__.strip("_"): check for check in doctor_checks.CHECKS}
 
 
 def one(name):

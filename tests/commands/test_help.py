@@ -8,6 +8,7 @@ from command_line import COMMANDS, actions, refused
 
 from lipsync_lang.base.version import __version__
 from lipsync_lang.cli import parser
+from lipsync_lang.commands.registry import leaves
 from lipsync_lang.pipeline import kernel
 
 every_command = pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
@@ -51,6 +52,18 @@ def test_every_option_is_in_the_reference(words, root):
 
 def test_the_version_is_printed(cli):
     assert cli("--version").out == f"lipsync-lang {__version__} ({kernel.summary()})\n"
+
+
+@pytest.mark.parametrize("asked", ["-h", "--help"])
+def test_the_help_of_titles_alone_is_the_help_of_the_whole_parser(asked):
+    assert parser(asked).format_help() == parser().format_help()
+
+
+def test_titles_and_the_version_need_no_options_of_commands():
+    assert not [made for path, made in leaves(parser("--version")) if path]
+    made = dict(leaves(parser("--help")))
+    assert ("run",) in made
+    assert [one.dest for one in made["run",]._actions] == ["help"]  # noqa: SLF001
 
 
 @pytest.mark.parametrize("arguments", [["dance"], ["bank"], ["run", "--fps"]])

@@ -65,6 +65,20 @@ def test_help_is_light(arguments):
     assert not {one for one in loaded if one.startswith(("lipsync_lang.text.lines", "html"))}
 
 
+def test_the_end_of_the_program_looks_for_no_cycles():
+    code = (
+        "import atexit, gc, sys\n"
+        "sys.argv, ends = ['lipsync-lang', '--version'], []\n"
+        "atexit.register = ends.append\n"
+        "from lipsync_lang.cli import main\n"
+        "try: main()\n"
+        "except SystemExit: print(file=sys.stderr)\n"
+        "assert gc.freeze in ends"
+    )
+    loaded = modules_after(code)
+    assert not {one for one in loaded if one.startswith("lipsync_lang.commands.run")}
+
+
 def test_a_performer_is_made_without_the_readers_of_scripts_and_texts():
     loaded = modules_after("import lipsync_lang as ll; ll.resolve('english', 'facefx')")
     assert "lipsync_lang.text.lines.markup" in loaded
