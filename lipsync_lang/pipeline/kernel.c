@@ -750,6 +750,24 @@ static const void *keep(Views *views, PyObject *array, size_t item, Size items, 
     return view->buf;
 }
 
+/* Keep a view of an array that is changed in place; see `keep`. */
+static void *keep_writable(Views *views, PyObject *array, size_t item, Size items, const char *name)
+{
+    Py_buffer *view = &views->view[views->views];
+    if (PyObject_GetBuffer(array, view, PyBUF_WRITABLE | PyBUF_FORMAT) < 0)
+        return NULL;
+    views->views++;
+    if (view->format && strchr(view->format, 'O')) { /* numbers are no references */
+        PyErr_Format(PyExc_TypeError, "%s: Python's objects instead of numbers", name);
+        return NULL;
+    }
+    if (items < 0 || view->len != (Size)item * items) {
+        PyErr_Format(PyExc_ValueError, "%s: %zd bytes for %zd items", name, view->len, items);
+        return NULL;
+    }
+    return view->buf;
+}
+
 static int within(const Size *numbers, Size count, Size stop, const char *name)
 {
     for (Size i = 0; i < count; i++)
@@ -1198,26 +1216,25 @@ static PyObject *look_up(PyObject *module, PyObject *const *args, Py_ssize_t nar
         return NULL;
     }
     const Size count = PyTuple_Size(args[1]), unit = PyLong_AsSsize_t(args[3]);
-    Py_buffer view;
-    if (PyErr_Occurred() || PyObject_GetBuffer(args[2], &view, PyBUF_WRITABLE) < 0)
+    Size answer = 0;
+    if (PyErr_Occurred())
         return NULL;
-    if (unit < 1 || view.len != 2 * count * (Size)sizeof(Size)) {
-        PyErr_SetString(PyExc_ValueError, "two rows of as many items as labels are needed, and a unit");
-        PyBuffer_Release(&view);
-        return NULL;
-    }
-    Size *ids = view.buf, *marks = ids + count, answer = 0;
-    for (Size i = 0; i < count && answer >= 0; i++) {
-        PyObject *known = PyDict_GetItemWithError(args[0], PyTuple_GetItem(args[1], i));
-        const Size code = known ? PyLong_AsSsize_t(known) : -1;
-        ids[i] = code % unit;
-        marks[i] = code / unit - 1;
-        if (code < 0 || ids[i] == unit - 1)
-            answer = -1;
-        else if (marks[i] >= 0)
-            answer = count;
-    }
-    PyBuffer_Release(&view);
+    Views views = {.views = 0};
+    Size *ids = keep_writable(&views, args[2], sizeof(Size), 2 * count, "ids and marks");
+    if (ids && unit < 1)
+        PyErr_Format(PyExc_ValueError, "a unit of %zd", unit);
+    else if (ids)
+        for (Size i = 0, *marks = ids + count; i < count && answer >= 0; i++) {
+            PyObject *known = PyDict_GetItemWithError(args[0], PyTuple_GetItem(args[1], i));
+            const Size code = known ? PyLong_AsSsize_t(known) : -1;
+            ids[i] = code % unit;
+            marks[i] = code / unit - 1;
+            if (code < 0 || ids[i] == unit - 1)
+                answer = -1;
+            else if (marks[i] >= 0)
+                answer = count;
+        }
+    release_views(&views);
     return PyErr_Occurred() ? NULL : PyLong_FromSsize_t(answer);
 }
 
@@ -1308,20 +1325,6 @@ static int read_window(PyObject *const *args, Window *box)
 }
 
 INLINE Size samples_of(const Window *box) { return (box->right - box->left) * (box->bottom - box->top); }
-
-/* Keep a view of an array that is changed in place; see `keep`. */
-static void *keep_writable(Views *views, PyObject *array, size_t item, Size items, const char *name)
-{
-    Py_buffer *view = &views->view[views->views];
-    if (PyObject_GetBuffer(array, view, PyBUF_WRITABLE) < 0)
-        return NULL;
-    views->views++;
-    if (items < 0 || view->len != (Size)item * items) {
-        PyErr_Format(PyExc_ValueError, "%s: %zd bytes for %zd items", name, view->len, items);
-        return NULL;
-    }
-    return view->buf;
-}
 
 /* fill(keys, left, top, right, bottom, corners, depth, names): triangles into the keys of a window */
 static PyObject *fill(PyObject *module, PyObject *const *args, Py_ssize_t nargs)

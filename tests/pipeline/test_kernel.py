@@ -240,6 +240,7 @@ def test_the_kernel_refuses_labels_that_it_cannot_look_up():
         (None, ("M",), both, UNIT), ({}, ["M"], both, UNIT), ({}, ("M",), None, UNIT),
         ({}, ([],), both, UNIT), ({"M": "x"}, ("M",), both, UNIT), ({}, ("M",), both, 2**70),
         ({}, ("M",), frozen, UNIT), ({}, ("M", "M"), both, UNIT), ({}, ("M",), both, 0), ({},),
+        ({"M": 5}, ("M",), np.full((2, 1), None), UNIT),
     ):  # fmt: skip
         with pytest.raises((TypeError, ValueError, OverflowError, BufferError)):
             kernel.compiled.look_up(*damaged)

@@ -154,6 +154,10 @@ def test_the_kernel_refuses_samples_that_it_could_not_read():
                 one.setflags(write=False)
         with pytest.raises((BufferError, ValueError), match=r"read-only|writable"):
             call(*frozen)
+    objects = np.full(4, None)
+    with pytest.raises(TypeError, match="keys: Python's objects instead of numbers"):
+        kernel.compiled.fill(objects, *sound["fill"][1:])
+    assert objects.tolist() == [None] * 4
 
 
 def test_the_kernel_refuses_textures_that_are_none():
