@@ -50,7 +50,7 @@ typedef unsigned char Byte;
 #define TOUCH 1e-7          /* warp.py */
 #define MARGIN 0.030        /* hold.py */
 #define SHORTEST 0.042      /* hold.py */
-#define TAPS 3              /* of a kernel, on each side, in one pass over a row */
+#define TAPS 3              /* of a kernel, on each side, that are summed together */
 #define LANES 4             /* poses read at once */
 #define CHAINS 10           /* rows whose running minima are computed at once */
 #define LATEST 1e9          /* seconds; beyond it frames have no place */
@@ -426,37 +426,59 @@ INLINE void anticipate(const Plan *plan, const Track *track, Size width, Scratch
 
 /* ---------------------------------------------------------------- soften.py */
 
-/* `_round`: `reach` is a multiple of TAPS, the half kernel being filled up with zeros */
-INLINE void round_off(double *RESTRICT row, Size width, const double *half, Size reach, double *RESTRICT padded)
+/* `_round` by at most 2 TAPS weights on each side, in one pass; `c` are the frames, with zeros around them */
+INLINE void round_near(double *RESTRICT row, Size width, const double *half, const int reach, const double *RESTRICT c)
 {
-    memset(padded, 0, (size_t)reach * sizeof(double));
-    memcpy(padded + reach, row, (size_t)width * sizeof(double));
-    memset(padded + reach + width, 0, (size_t)reach * sizeof(double));
-    const double *RESTRICT c = padded + reach;
-    const double middle = half[0];
-    for (Size j = 1; j <= reach; j += TAPS) {
+    double weight[2 * TAPS + 1];
+    for (int j = 0; j <= reach; j++)
+        weight[j] = half[j];
+    for (Size t = 0; t < width; t++) {
+        double sum = weight[0] * c[t], farther = 0;
+        for (int j = 1; j <= reach && j <= TAPS; j++)
+            sum += weight[j] * (c[t - j] + c[t + j]);
+        for (int j = TAPS + 1; j <= reach; j++)
+            farther += weight[j] * (c[t - j] + c[t + j]);
+        row[t] = sum + farther;
+    }
+}
+
+/* `_round`: `reach` is a multiple of TAPS, the half kernel being filled up with zeros */
+INLINE void round_off(double *RESTRICT row, Size width, const double *half, Size reach, const double *RESTRICT c)
+{
+    round_near(row, width, half, 2 * TAPS, c);
+    for (Size j = 2 * TAPS + 1; j <= reach; j += TAPS) {
         const double one = half[j], two = half[j + 1], three = half[j + 2];
-        if (j == 1)
-            for (Size t = 0; t < width; t++)
-                row[t] = middle * c[t] + one * (c[t - 1] + c[t + 1]) + two * (c[t - 2] + c[t + 2]) +
-                         three * (c[t - 3] + c[t + 3]);
-        else
-            for (Size t = 0; t < width; t++)
-                row[t] += one * (c[t - j] + c[t + j]) + two * (c[t - j - 1] + c[t + j + 1]) +
-                          three * (c[t - j - 2] + c[t + j + 2]);
+        for (Size t = 0; t < width; t++)
+            row[t] += one * (c[t - j] + c[t + j]) + two * (c[t - j - 1] + c[t + j + 1]) +
+                      three * (c[t - j - 2] + c[t + j + 2]);
     }
 }
 
 /* `soften` */
 INLINE void soften(const Plan *plan, const double *kernels, Size reach, Size width, Scratch *s)
 {
+    double *c = s->row + reach;
+    memset(s->row, 0, (size_t)reach * sizeof(double));
+    memset(c + width, 0, (size_t)reach * sizeof(double));
     for (Size p = 0; reach && p < plan->size[POSES]; p++) {
         const double *half = kernels + p * (reach + 1);
+        double *row = s->curves + p * s->stride;
         Size own = reach;
-        while (own && half[own] == 0 && half[own - 1] == 0 && half[own - 2] == 0)
-            own -= TAPS;
-        if (half[0] > 0)
-            round_off(s->curves + p * s->stride, width, half, most_size(own, TAPS), s->row);
+        while (own && half[own] == 0)
+            own--;
+        if (!(half[0] > 0))
+            continue;
+        memcpy(c, row, (size_t)width * sizeof(double));
+        switch (own) { /* each its own loop, without weights that are 0 */
+        case 0:
+        case 1: round_near(row, width, half, 1, c); break;
+        case 2: round_near(row, width, half, 2, c); break;
+        case 3: round_near(row, width, half, 3, c); break;
+        case 4: round_near(row, width, half, 4, c); break;
+        case 5: round_near(row, width, half, 5, c); break;
+        case 6: round_near(row, width, half, 6, c); break;
+        default: round_off(row, width, half, reach, c); break;
+        }
     }
 }
 

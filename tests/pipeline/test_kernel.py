@@ -106,6 +106,21 @@ def test_settings_that_the_kernel_does_not_know_are_left_to_numpy(line, motion, 
 
 
 @needs_kernel
+def test_blurs_of_every_reach_agree_with_numpy():
+    performer, line = real(), ll.Schedule(tuple("mapifuta"), np.linspace(0, 1, 9))
+    reaches = set()
+    for fps in range(20, 200, 10):
+        blurs = prepare(performer.compiled.tables, performer.motion, float(fps)).shared
+        reaches |= {len(weights) // 2 for _, weights in blurs}
+        performed = performer.perform(line, fps)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(kernel, "compiled", None)
+            plain = replace(performer).perform(line, fps)
+        assert np.abs(plain.weights - performed.weights).max() <= AGREED
+    assert reaches >= set(range(1, 9))
+
+
+@needs_kernel
 def test_a_performer_plays_other_rates_in_turn_and_without_the_kernel():
     performer, line = ll.resolve("english", "facefx"), ll.Schedule(("M", "AA"), [0, 0.1, 0.4])
     for fps in (60, 24, 60):
