@@ -7,10 +7,10 @@ from functools import cache
 import pytest
 from places import ROOT
 
-from lipsync_lang.packs import library
 from lipsync_lang.packs.checking import pack_checks, validate
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import validation
+from lipsync_lang.packs.yaml import building
 from lipsync_lang.resolver import cache as pair_cache
 from lipsync_lang.resolver import language_tables
 
@@ -45,7 +45,7 @@ def read_once() -> Iterator[None]:
 
     Other bytes in its place, and files of tests, are read as ever.
     """
-    scan, validated = library.scan, validation.validated
+    scan, validated = building.scan, validation.validated
     kept_scan, kept_validated = cache(scan), cache(validated)
 
     def scan_once(path, content):
@@ -55,7 +55,7 @@ def read_once() -> Iterator[None]:
         return (kept_validated if _is_built_in(source.path) else validated)(source, **expected)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(library, "scan", scan_once)
+        patch.setattr(building, "scan", scan_once)
         patch.setattr(validation, "validated", validated_once)
         patch.setattr(pack_checks, "check_labels", _checked_once(pack_checks.check_labels))
         patch.setattr(validate, "check_claims", _checked_once(validate.check_claims))

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from html import escape
 from importlib import import_module
 from io import BytesIO
 from pathlib import Path
@@ -339,6 +338,8 @@ class PageFrame:
 
     def _repr_html_(self) -> str:
         """Show the page in notebooks."""
+        from html import escape
+
         return (
             f'<iframe sandbox="allow-scripts" width="100%" height="{self.height:d}" '
             f'style="border: 0" srcdoc="{escape(self.page)}"></iframe>'
@@ -350,6 +351,8 @@ def curves_html(animation: "Animation") -> str:
 
     The vertical range is 0 to 1, or the range of the values if a rig exceeds it.
     """
+    from html import escape
+
     head = escape(repr(animation))
     if not len(animation):
         return f"<p>{head}</p>"

@@ -5,7 +5,6 @@ are used, because the rounded rates drift by a frame or more per hour.
 """
 
 import re
-from fractions import Fraction
 from math import isfinite
 
 from lipsync_lang.base.errors import LipsyncError
@@ -13,7 +12,7 @@ from lipsync_lang.base.errors import LipsyncError
 USUAL_FPS = 60.0
 """Default frame rate in frames per second."""
 
-NTSC = Fraction(1000, 1001)
+NTSC = 1000 / 1001
 """Ratio of NTSC rates to their nominal whole rates."""
 
 RATE_TOLERANCE = 0.006
@@ -34,7 +33,7 @@ def exact(fps: float) -> float:
     if not isfinite(fps) or fps == int(fps):
         return float(fps)
     # The nearest whole rate by 1000/1001: 23.976 and 23.98 both mean 24000/1001.
-    meant = float(round(fps / NTSC) * NTSC)
+    meant = round(fps / NTSC) * 1000 / 1001
     odd = abs(fps - round(fps)) > RATE_TOLERANCE
     return meant if odd and abs(fps - meant) <= RATE_TOLERANCE else float(fps)
 
@@ -48,6 +47,8 @@ def checked_rate(fps: float) -> float:
 
 def parse_rate(text: str) -> float:
     """Parse ``60``, ``23.976`` or ``24000/1001``."""
+    from fractions import Fraction
+
     try:
         # `Fraction` would turn a decimal with a large exponent into a huge number.
         return exact(float(Fraction(text) if "/" in text else text))

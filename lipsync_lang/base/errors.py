@@ -3,7 +3,6 @@
 Every error raised on purpose is a `LipsyncError`. The command line prints its message only.
 """
 
-from difflib import SequenceMatcher, get_close_matches
 from typing import TYPE_CHECKING, get_args
 
 if TYPE_CHECKING:
@@ -60,11 +59,15 @@ def spelled(name: str, known: "Iterable[str]") -> str:
 
 
 def _likeness(word: str, name: str) -> float:
+    from difflib import SequenceMatcher
+
     return SequenceMatcher(None, name, word).ratio()
 
 
 def did_you_mean(word: str, known: "Iterable[str]") -> str:
     """Return a hint with the nearest known word, or with all known words if none is near."""
+    from difflib import get_close_matches
+
     names = sorted(known)
     # `get_close_matches` finds nothing alike in `ABC` and `abc`.
     near = get_close_matches(word, names, n=1) or [n for n in names if n.lower() == word.lower()]

@@ -17,7 +17,7 @@ from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files import argument_path
 
 if TYPE_CHECKING:
-    from lipsync_lang.text.lines.markup import Cleaning
+    from lipsync_lang.text.lines.cleaning import Cleaning
 
 
 MAX_ROW_DIGITS = 10
@@ -149,7 +149,7 @@ def add_values(made: Options) -> None:
 
 def cleaning(options: Namespace) -> "Cleaning":
     """Return the values of placeholders, and the project's passages that are not spoken."""
-    from lipsync_lang.text.lines.markup import Cleaning
+    from lipsync_lang.text.lines.cleaning import Cleaning
 
     values: dict[str, str] = {}
     for one in options.values:

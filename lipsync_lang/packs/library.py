@@ -29,7 +29,6 @@ from lipsync_lang.packs.finding import (
     pack_name,
 )
 from lipsync_lang.packs.pack import Pack
-from lipsync_lang.packs.yaml.building import read_yaml, scan
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
 from lipsync_lang.packs.yaml.source import YamlSource, read_bytes
 
@@ -260,6 +259,7 @@ class Library(Finder):
             found = self._earlier.get((key, digest))
             if found is None:
                 from lipsync_lang.packs.models.validation import validated
+                from lipsync_lang.packs.yaml.building import scan
 
                 _log.debug("reading %s", path)
                 source = scan(path, content)
@@ -278,6 +278,8 @@ class Library(Finder):
 
         Raise `PackFaults` for content that is not sound YAML.
         """
+        from lipsync_lang.packs.yaml.building import read_yaml
+
         digest = sha256(content).hexdigest()
         loaded = (
             f.source for (file, *_), f in self._loaded.items() if self.files[str(file)] == digest

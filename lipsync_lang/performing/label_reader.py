@@ -27,7 +27,6 @@ from lipsync_lang.performing.effort import (
 )
 from lipsync_lang.performing.label_sounds import UNMARKED, LabelSounds, LabelTable, sounds_of
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
-from lipsync_lang.text.phonology.g2p.g2p_engines import Correction, SpokenWord
 from lipsync_lang.text.phonology.g2p.tokens import plain
 from lipsync_lang.text.phonology.ipa import is_one_sound
 from lipsync_lang.text.phonology.labels import (
@@ -44,6 +43,7 @@ from lipsync_lang.text.phonology.nearest import Nearest, NearestPhonemes
 
 if TYPE_CHECKING:
     from lipsync_lang.resolver.compiled import CompiledPair
+    from lipsync_lang.text.phonology.g2p.g2p_engines import Correction
 
 _CAPITAL = re.compile("[A-Z]")
 """Letters that are absent from the IPA, but present in most other notations."""
@@ -129,6 +129,7 @@ class LabelReader:
         if not self._corrections or notation is not written:
             return schedule.labels
         from lipsync_lang.text.phonology.g2p.corrections import corrector
+        from lipsync_lang.text.phonology.g2p.g2p_engines import SpokenWord
 
         bare = tuple(toneless(normalise(label)) for label in schedule.labels)
         said = corrector(self._corrections)(SpokenWord("", bare)).labels
@@ -136,7 +137,7 @@ class LabelReader:
         return tuple(label if one == other else other for label, one, other in pairs)
 
     @cached_property
-    def _corrections(self) -> tuple[Correction, ...]:
+    def _corrections(self) -> "tuple[Correction, ...]":
         """Corrections that hold for labels of timings."""
         if not self.compiled.manner["settings"]["corrections"]:
             return ()

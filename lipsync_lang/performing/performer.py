@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from html import escape
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -55,6 +54,8 @@ class Performer(PlayedPair):
 
     def _repr_html_(self) -> str:
         """Show the report in notebooks."""
+        from html import escape
+
         return f"<pre>{escape(str(self.report))}</pre>"
 
     @property

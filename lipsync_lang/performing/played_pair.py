@@ -21,7 +21,7 @@ from lipsync_lang.pipeline.perform import Performance, perform
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Contact, Tables
 from lipsync_lang.pipeline.track import lay_track
 from lipsync_lang.resolver.compiled import CompiledPair
-from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning
+from lipsync_lang.text.lines.cleaning import AS_WRITTEN, Cleaning
 
 if TYPE_CHECKING:
     from lipsync_lang.faces.rigs.channel import Channel

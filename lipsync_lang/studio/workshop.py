@@ -38,7 +38,7 @@ from lipsync_lang.studio.line_settings import LineSettings, brief
 from lipsync_lang.studio.merging import Choices
 from lipsync_lang.studio.project_lines import ProjectLines
 from lipsync_lang.studio.spoken_line import MAX_PART_FRAMES, SpokenLine
-from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning
+from lipsync_lang.text.lines.cleaning import AS_WRITTEN, Cleaning
 from lipsync_lang.text.phonology.emphasis import as_marked
 
 if TYPE_CHECKING:

@@ -24,11 +24,12 @@ from lipsync_lang.animations.writers.glb import write_glb
 from lipsync_lang.authoring.language_draft import read_inventory
 from lipsync_lang.base.errors import PackError
 from lipsync_lang.faces.rigs.model import read_model
-from lipsync_lang.packs import finding, library
+from lipsync_lang.packs import finding
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import MODELS, Project, validation
 from lipsync_lang.packs.pack import Pack
+from lipsync_lang.packs.yaml import building
 from lipsync_lang.packs.yaml.source import YamlSource
 from lipsync_lang.production.builds import takes
 from lipsync_lang.production.builds.script import read_script
@@ -198,7 +199,7 @@ PLACES = {
 assert PLACES["character"] in TREE
 
 
-SCAN, VALIDATED = library.scan, validation.validated
+SCAN, VALIDATED = building.scan, validation.validated
 KEPT_SCAN, KEPT_VALIDATED = cache(SCAN), cache(VALIDATED)
 """Sound packs beside the damaged one are read once, and their contents are kept."""
 
@@ -225,7 +226,7 @@ def _pack(path: Path) -> None:
     with (
         chdir(root),
         patch.object(finding, "built_in", lambda: root),
-        patch.object(library, "scan", scan),
+        patch.object(building, "scan", scan),
         patch.object(validation, "validated", validated),
     ):
         for fault in validate(Library(project=None), [path]):

@@ -81,7 +81,10 @@ def test_the_end_of_the_program_looks_for_no_cycles():
 
 def test_a_performer_is_made_without_the_readers_of_scripts_and_texts():
     loaded = modules_after("import lipsync_lang as ll; ll.resolve('english', 'facefx')")
-    assert "lipsync_lang.text.lines.markup" in loaded
+    assert "lipsync_lang.text.lines.cleaning" in loaded
+    assert "lipsync_lang.text.lines.markup" not in loaded
+    assert "lipsync_lang.schedules.schedule" in loaded
+    assert "lipsync_lang.schedules.rows" not in loaded
     assert "lipsync_lang.text.lines.line_readers" not in loaded
     assert "lipsync_lang.text.phonology.g2p.tokens" in loaded
     assert "lipsync_lang.text.phonology.g2p.corrections" not in loaded

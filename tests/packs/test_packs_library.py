@@ -10,12 +10,12 @@ from packs_tree import ANNAS_BANK, BANK, CHILD, PARENT, POSESET, TREE, plant, pu
 
 from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs import finding
-from lipsync_lang.packs import library as library_module
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.describe import kinds, schema
 from lipsync_lang.packs.finding import Finder, built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import MODELS
+from lipsync_lang.packs.yaml import building
 from lipsync_lang.packs.yaml.building import scan
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.resolver.compile import compile_pair
@@ -87,9 +87,7 @@ def test_unsaved_contents_stand_in_for_files(tmp_path, monkeypatch):
         home / "characters/ben-bank.yaml": ANNAS_BANK.replace("anna", "ben").encode(),
     }
     read = []
-    monkeypatch.setattr(
-        library_module, "scan", lambda path, _: read.append(path.name) or scan(path, _)
-    )
+    monkeypatch.setattr(building, "scan", lambda path, _: read.append(path.name) or scan(path, _))
     library = Library([home], project=None, unsaved=unsaved, earlier=saved)
     assert library.poseset("face").model.title == "New"
     assert library.banks("face")[0].model is old[1].model

@@ -40,8 +40,8 @@ from lipsync_lang.production.builds.script_files import (
     ScriptRow,
     read_apart,
 )
+from lipsync_lang.text.lines.cleaning import Cleaning
 from lipsync_lang.text.lines.line_readers import LineFile, is_timed, line_files
-from lipsync_lang.text.lines.markup import Cleaning
 from lipsync_lang.text.lines.plain import TIMING_SUFFIXES
 
 if TYPE_CHECKING:

@@ -16,6 +16,7 @@ from lipsync_lang.packs.models.project_models import ScriptColumns
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.production.builds.script_faults import ScriptFaults, in_words_of_project
 from lipsync_lang.text.lines import Line, read_lines
+from lipsync_lang.text.lines.cleaning import AS_WRITTEN, Cleaning
 from lipsync_lang.text.lines.columns import (
     NAME_COLUMNS,
     SPEAKER_COLUMNS,
@@ -26,7 +27,7 @@ from lipsync_lang.text.lines.columns import (
     text_column,
 )
 from lipsync_lang.text.lines.line_readers import LineFile, Table, TableLayout, by_suffix, is_timed
-from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning, spoken
+from lipsync_lang.text.lines.markup import spoken
 from lipsync_lang.text.lines.table import cell
 
 MAX_SLUG_CHARS = 32

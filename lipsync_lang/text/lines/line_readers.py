@@ -14,7 +14,8 @@ from lipsync_lang.base.extensions import Format, Formats
 from lipsync_lang.base.files import STANDARD_STREAM, argument_path
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.base.files.reading import MIB_BYTES, marked_encoding, read_blocks, read_input
-from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning, spoken
+from lipsync_lang.text.lines.cleaning import AS_WRITTEN, Cleaning
+from lipsync_lang.text.lines.markup import spoken
 
 if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule

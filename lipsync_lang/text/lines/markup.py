@@ -22,8 +22,7 @@ tag leaves no gap. A word in braces is a tag if a closing tag follows, or if it 
 """
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from functools import lru_cache
 from html import unescape
 from itertools import islice
@@ -31,6 +30,7 @@ from typing import NamedTuple
 from unicodedata import normalize
 
 from lipsync_lang.text.lines.choices import chosen
+from lipsync_lang.text.lines.cleaning import AS_WRITTEN, Cleaning
 from lipsync_lang.text.phonology.g2p.tokens import PAUSES, UNSPACED, plain
 
 UNUSUAL = re.compile(
@@ -208,25 +208,6 @@ MAX_MOVED_GAPS = 100
 """Maximum number of gaps in a text with stray marks that is cleaned again; each reads the text."""
 MAX_UNSPOKEN_CHARS = 500
 """Longest passage between the two ends of an `unspoken` entry."""
-
-
-@dataclass(frozen=True)
-class Cleaning:
-    """Settings of the cleaning of a script's text.
-
-    Parameters
-    ----------
-    values : values of placeholders, by name
-    unspoken : passages to leave out: their text, or their two ends with ``...`` between them
-    asides : the language's words of asides
-    """
-
-    values: Mapping[str, str] = field(default_factory=dict)
-    unspoken: tuple[str, ...] = ()
-    asides: tuple[str, ...] = ()
-
-
-AS_WRITTEN = Cleaning()
 
 
 # Asides are notes between the spoken words: ``(laughs)`` and ``*sighs*`` are notes to an actor,

@@ -4,8 +4,8 @@ import pytest
 
 from lipsync_lang import LipsyncError
 from lipsync_lang.text.lines import read_lines
+from lipsync_lang.text.lines.cleaning import Cleaning
 from lipsync_lang.text.lines.entries import MAX_ENTRY_DEPTH
-from lipsync_lang.text.lines.markup import Cleaning
 
 
 def test_the_language_chooses_the_tree(texts_read):

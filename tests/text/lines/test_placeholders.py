@@ -4,8 +4,9 @@ import re
 
 import pytest
 
+from lipsync_lang.text.lines.cleaning import Cleaning
 from lipsync_lang.text.lines.markup import FORMS as FORMS_OF_MARKUP
-from lipsync_lang.text.lines.markup import Cleaning, spoken
+from lipsync_lang.text.lines.markup import spoken
 from lipsync_lang.text.phonology.espeak.process import blank
 
 SPACED = {

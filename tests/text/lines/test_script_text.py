@@ -22,7 +22,8 @@ from lipsync_lang.sound.speech.hearing.alignment import aligned
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 from lipsync_lang.text.lines import read_lines
 from lipsync_lang.text.lines.choices import chosen
-from lipsync_lang.text.lines.markup import Cleaning, is_aside, ordinary, spoken
+from lipsync_lang.text.lines.cleaning import Cleaning
+from lipsync_lang.text.lines.markup import is_aside, ordinary, spoken
 from lipsync_lang.text.phonology.g2p.g2p_engines import Settings
 from lipsync_lang.text.phonology.labels import Notation
 from lipsync_lang.text.phonology.manner import Manner

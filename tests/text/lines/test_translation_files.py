@@ -6,8 +6,8 @@ from script_samples import LINES, SEEDS
 from lipsync_lang import LipsyncError
 from lipsync_lang.schedules import timing_file
 from lipsync_lang.text.lines import read_lines
+from lipsync_lang.text.lines.cleaning import Cleaning
 from lipsync_lang.text.lines.entries import MAX_ENTRY_DEPTH
-from lipsync_lang.text.lines.markup import Cleaning
 
 GERMAN, ENGLISH = ("german", "German", "de"), ("english", "English", "en")
 

@@ -21,7 +21,7 @@ from lipsync_lang.sound.speech.results import WrongTextError, exhaust, next_resu
 from lipsync_lang.sound.speech.sound import SoundSource, sound_of
 from lipsync_lang.sound.speech.speaking.speaker import NO_VALUES, PlaceholderValues, Speaker
 from lipsync_lang.sound.speech.speaking.transcripts import SureText, WrittenText, as_written, silent
-from lipsync_lang.text.lines.markup import Cleaning
+from lipsync_lang.text.lines.cleaning import Cleaning
 
 MAX_DOUBTFUL_WORDS = 5
 """Maximum number of doubtful words in a remark."""

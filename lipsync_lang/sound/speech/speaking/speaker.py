@@ -28,7 +28,8 @@ from lipsync_lang.sound.speech.speaking.transcripts import (
     as_written,
     silent,
 )
-from lipsync_lang.text.lines.markup import AS_WRITTEN, Cleaning, spoken
+from lipsync_lang.text.lines.cleaning import AS_WRITTEN, Cleaning
+from lipsync_lang.text.lines.markup import spoken
 from lipsync_lang.text.phonology.emphasis import emphasised
 from lipsync_lang.text.phonology.g2p import SpokenWord, engine
 from lipsync_lang.text.phonology.g2p.censored import unstressed

@@ -3,10 +3,11 @@
 import re
 from collections.abc import Callable, Iterator
 from functools import cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 from unicodedata import category, normalize
 
-from lipsync_lang.text.phonology.g2p.g2p_engines import SpokenWord
+if TYPE_CHECKING:
+    from lipsync_lang.text.phonology.g2p.g2p_engines import SpokenWord
 
 INNER = frozenset("'’‘-·־\u00ad")
 """Within a word, and nothing by themselves."""
@@ -76,8 +77,10 @@ def unmarked(text: str) -> str:
     return "".join(sign for sign in text if category(sign) != "Mn")
 
 
-def read_words(text: str, read: Callable[[str], SpokenWord]) -> tuple[SpokenWord, ...]:
+def read_words(text: str, read: "Callable[[str], SpokenWord]") -> "tuple[SpokenWord, ...]":
     """Read a text word by word; unread characters are kept for a remark."""
+    from lipsync_lang.text.phonology.g2p.g2p_engines import SpokenWord
+
     out: list[SpokenWord] = []
     for piece in pieces(text):
         unread = piece.text if piece.kind == "symbol" else ""
