@@ -42,6 +42,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         atexit.register(gc.freeze)  # the end would look for cycles among all objects, in vain
         # Pydantic would look for plug-ins of its own in all installed packages.
         os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+        # Idle threads of NumPy's linear algebra would keep their processors busy at every start.
+        os.environ.setdefault("OPENBLAS_THREAD_TIMEOUT", "4")  # 2**4 cycles, the least
     _encode_all()
     try:
         with terminating(), safe_streams():

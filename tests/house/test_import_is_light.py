@@ -65,6 +65,21 @@ def test_help_is_light(arguments):
     assert not {one for one in loaded if one.startswith(("lipsync_lang.text.lines", "html"))}
 
 
+@pytest.mark.parametrize(("stated", "used"), [(None, "4"), ("20", "20")])
+def test_idle_threads_of_numpy_sleep_unless_the_user_says_otherwise(stated, used):
+    code = (
+        "import os, sys\n"
+        "sys.argv = ['lipsync-lang', '--version']\n"
+        "from lipsync_lang.cli import main\n"
+        "name = 'OPENBLAS_THREAD_TIMEOUT'\n"
+        f"os.environ.update({{name: {stated!r}}} if {stated!r} else {{}})\n"
+        "try: main()\n"
+        "except SystemExit: print(file=sys.stderr)\n"
+        f"assert os.environ[name] == {used!r} and 'numpy' not in sys.modules"
+    )
+    assert "lipsync_lang.cli" in modules_after(code)
+
+
 def test_the_end_of_the_program_looks_for_no_cycles():
     code = (
         "import atexit, gc, sys\n"
