@@ -51,7 +51,7 @@ typedef unsigned char Byte;
 #define MARGIN 0.030        /* hold.py */
 #define SHORTEST 0.042      /* hold.py */
 #define TAPS 3              /* of a kernel, on each side, that are summed together */
-#define LANES 4             /* poses read at once */
+#define LANES 8             /* poses read at once */
 #define CHAINS 10           /* rows whose running minima are computed at once */
 #define LATEST 1e9          /* seconds; beyond it frames have no place */
 #define MAX_VIEWS 20
@@ -128,6 +128,10 @@ typedef struct {
 } Dial;
 
 typedef struct {
+    Size contact, one, past; /* held in frames `one` to `past`, counted from the first of a block */
+} Held;
+
+typedef struct {
     double *curves;   /* (P, stride) */
     double *joined;   /* (stride, P) */
     double *fresh;    /* (EARLY, stride) */
@@ -140,6 +144,8 @@ typedef struct {
     Size *phoneme;    /* (stride,) */
     double *boundary; /* (n + 1,) of the bigram before each phoneme, and of the one after the last */
     Size *bigram;     /* (n + 1,) first row of its curves */
+    Held *held;       /* (CONTACTS * n + 1,) frames of contacts in the block, and the end of those found */
+    Held *last_held;
     Size stride;
 } Scratch;
 
@@ -511,33 +517,38 @@ INLINE Size held(const Plan *plan, const Track *track, const Frames *frames, con
     return least_size((Size)floor((to - origin) * fps + 1e-6) + 1 - low, width);
 }
 
-/* `hold`, over the phonemes near the frames */
+/* `hold`, over the phonemes near the frames; what is held stays in `s` for `contest` */
 INLINE void hold(const Plan *plan, const Track *track, const Frames *frames, Size low, Size width, Scratch *s)
 {
     const Size poses = plan->size[POSES];
-    Size begin, one;
+    Size begin;
     const Size stop = near(plan, track, frames, low, width, &begin);
+    Held *last = s->held;
     for (Size c = 0; c < plan->size[CONTACTS]; c++) {
         const Byte *demanding = plan->demands + c * plan->size[PHONEMES];
         const double *floors = plan->levels + c * 2 * poses, *ceilings = floors + poses;
         for (Size at = begin; at < stop; at++) {
-            const Size past = held(plan, track, frames, demanding, at, low, width, &one);
+            *last = (Held){.contact = c};
+            last->past = held(plan, track, frames, demanding, at, low, width, &last->one);
+            if (last->one >= last->past)
+                continue;
             for (Size p = 0; p < poses; p++) {
                 double *RESTRICT row = s->curves + p * s->stride;
-                for (Size t = one; t < past; t++)
-                    row[t] = least(most(row[t], floors[p]), ceilings[p]);
+                if (floors[p] > -LATEST || ceilings[p] < LATEST)
+                    for (Size t = last->one; t < last->past; t++)
+                        row[t] = least(most(row[t], floors[p]), ceilings[p]);
             }
+            last++;
         }
     }
+    s->last_held = last;
 }
 
 /* `Performance._contest`; beyond `far` frames a slope is out of the bounds, and `limit` cuts it there */
-INLINE void contest(const Plan *plan, const Track *track, const Frames *frames, Size low, Size width, Scratch *s)
+INLINE void contest(const Plan *plan, Size width, Scratch *s)
 {
     const Size poses = plan->size[POSES];
     const double step = plan->number[STEP];
-    Size begin, one;
-    const Size stop = near(plan, track, frames, low, width, &begin);
     for (Size turn = 0; turn < plan->size[CONTACTS] * 2 * plan->size[CONTESTED]; turn++) {
         const Size c = turn / (2 * plan->size[CONTESTED]), p = plan->contested[turn / 2 % plan->size[CONTESTED]];
         const int raises = turn % 2;
@@ -547,11 +558,8 @@ INLINE void contest(const Plan *plan, const Track *track, const Frames *frames, 
         if (!(fabs(level) < LATEST))
             continue;
         const Size far = (Size)ceil(most(room, 0) / step);
-        for (Size at = begin; at < stop; at++) {
-            const Size past = held(plan, track, frames, plan->demands + c * plan->size[PHONEMES], at, low, width, &one);
-            if (one >= past)
-                continue;
-            const Size end = least_size(past + far, width);
+        for (const Held *now = s->held; now < s->last_held; now++) {
+            const Size one = now->one, past = now->past, end = now->contact == c ? least_size(past + far, width) : 0;
             for (Size t = most_size(one - far, 0); t < end; t++) {
                 const double away = step * (double)most_size(most_size(one - t, t - past + 1), 0);
                 row[t] = raises ? most(row[t], level - away) : least(row[t], level + away);
@@ -611,7 +619,7 @@ INLINE void clip(const Plan *plan, const double *tops, int below, Size width, Sc
 }
 
 /* `envelope`: an upper one is the lower one of the negative, negated */
-INLINE void limit(const Plan *plan, const Track *track, const Frames *frames, Size low, Size width, Scratch *s)
+INLINE void limit(const Plan *plan, Size width, Scratch *s)
 {
     const Size poses = plan->size[POSES];
     const double step = plan->number[STEP];
@@ -642,7 +650,7 @@ INLINE void limit(const Plan *plan, const Track *track, const Frames *frames, Si
         if (plan->upper[p])
             flip(s->curves + p * s->stride, width);
     if (plan->size[CONTESTED])
-        contest(plan, track, frames, low, width, s);
+        contest(plan, width, s);
     if (plan->flag[CLIP_SLOW])
         clip(plan, plan->tops, 1, width, s);
 }
@@ -694,11 +702,11 @@ static void run_block(const Bank *bank, const Plan *plan, const Track *track, co
     if (plan->flag[CLIP_HELD])
         clip(plan, NULL, 1, width, s);
     if (plan->flag[BEFORE]) {
-        limit(plan, track, frames, low, width, s);
+        limit(plan, width, s);
         constrain(plan, width, s);
     } else {
         constrain(plan, width, s);
-        limit(plan, track, frames, low, width, s);
+        limit(plan, width, s);
     }
     soften(plan, plan->shared, plan->size[SHARED], width, s);
     if (plan->flag[AGAIN])
@@ -723,7 +731,8 @@ static int run_all(const Bank *bank, const Plan *plan, const Track *track, const
     const Size reach = most_size(plan->size[WIDE], plan->size[SHARED]);
     const Size n = track->count;
     const size_t doubles = (size_t)stride * (size_t)(2 * poses + early + 6) + 2 * (size_t)reach + (size_t)n + 1;
-    double *memory = malloc(doubles * sizeof(double) + (3 * (size_t)stride + (size_t)n + 1) * sizeof(Size));
+    const size_t sizes = 3 * (size_t)stride + (size_t)n + 1, contacts = (size_t)(plan->size[CONTACTS] * n + 1);
+    double *memory = malloc(doubles * sizeof(double) + sizes * sizeof(Size) + contacts * sizeof(Held));
     if (!memory)
         return -1;
     Scratch s = {.curves = memory, .stride = stride};
@@ -740,6 +749,7 @@ static int run_all(const Bank *bank, const Plan *plan, const Track *track, const
     s.row_of[0] = s.phoneme + stride;
     s.row_of[1] = s.row_of[0] + stride;
     s.bigram = s.row_of[1] + stride;
+    s.held = s.last_held = (Held *)(s.phoneme + sizes);
     find_bigrams(bank, plan, track, &s);
     for (Size begin = span[0]; begin < span[1]; begin += block) {
         const Size stop = least_size(begin + block, span[1]);
