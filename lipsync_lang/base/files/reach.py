@@ -27,7 +27,7 @@ def refuse_outside(path: Path, folder: Path, others: Sequence[Path] = ()) -> Non
 
 def is_reached(path: Path, folder: Path, others: Sequence[Path] = ()) -> bool:
     """Return True if a path is in a project's folder, in others, or in one that the user named."""
-    homes = [folder, *others]
+    homes = list(dict.fromkeys([folder, *others]))  # each is looked up
     return _is_inside(path, homes) or _is_inside(path, [*homes, *_named(folder)])
 
 
@@ -75,5 +75,7 @@ def _is_inside(path: Path, homes: Sequence[Path]) -> bool:
         return False
 
 
-def _is_below(path: str, homes: Iterable[str | Path]) -> bool:
-    return any(Path(path).is_relative_to(home) for home in homes)
+def _is_below(path: str, homes: Iterable[str]) -> bool:
+    # `is_relative_to` is much slower
+    whole = os.path.normcase(f"{path.rstrip(os.sep)}{os.sep}")
+    return any(whole.startswith(os.path.normcase(f"{one.rstrip(os.sep)}{os.sep}")) for one in homes)

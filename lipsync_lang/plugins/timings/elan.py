@@ -9,12 +9,14 @@ from collections import Counter
 from dataclasses import replace
 from graphlib import CycleError, TopologicalSorter
 from operator import methodcaller
-from typing import Any
-from xml.etree.ElementTree import Element
+from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
 from lipsync_lang.schedules.rows import MILLISECONDS_PER_SECOND
 from lipsync_lang.schedules.tiers import Tier, TimeSpan, read_tiers
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
 
 ELAN_ROOT = "ANNOTATION_DOCUMENT"
 ANNOTATIONS = ".//ANNOTATION/*"
@@ -50,7 +52,7 @@ def read_elan(source: TimingFile) -> Timings:
     return read_tiers(replace(source, rate=None), tiers, remarks=[told] if timeless else ())
 
 
-def _id(annotation: Element) -> str:
+def _id(annotation: "Element") -> str:
     return annotation.get("ANNOTATION_ID", "")
 
 
@@ -66,7 +68,7 @@ def _parents_first(
         raise source.fault(fault.format(at), line) from None
 
 
-def _spans(source: TimingFile, document: Element, tiers: list[Element]) -> dict[str, TimeSpan]:
+def _spans(source: TimingFile, document: "Element", tiers: "list[Element]") -> dict[str, TimeSpan]:
     """Return the start and end of each annotation that has any, by its ID."""
     slots = {
         slot.get("TIME_SLOT_ID", ""): source.time(slot.get("TIME_VALUE"))
@@ -95,7 +97,7 @@ def _spans(source: TimingFile, document: Element, tiers: list[Element]) -> dict[
     return spans
 
 
-def _aligned(annotations: list[Element], slots: dict[str, float]) -> dict[str, TimeSpan]:
+def _aligned(annotations: "list[Element]", slots: dict[str, float]) -> dict[str, TimeSpan]:
     """Return the spans of a tier's annotations between slots; chains without times share theirs."""
     spans: dict[str, TimeSpan] = {}
     chain: list[str] = []

@@ -6,10 +6,13 @@ used. Where an annotation has several labels or places, the one with the highest
 
 import re
 from collections.abc import Iterator, Sequence
-from xml.etree.ElementTree import Element
+from typing import TYPE_CHECKING
 
 from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
 from lipsync_lang.schedules.tiers import Tier, read_tiers
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
 
 SPPAS_ROOT = re.compile(r"<Document\s[^>]*\bformat=", re.IGNORECASE)
 """The outermost element; its attributes were written with a capital once."""
@@ -31,7 +34,7 @@ def read_sppas(source: TimingFile) -> Timings:
     return read_tiers(source, tiers)
 
 
-def _rows(source: TimingFile, tier: Element) -> Iterator[LabelRow]:
+def _rows(source: TimingFile, tier: "Element") -> Iterator[LabelRow]:
     """Yield the intervals of a tier; points are not sounds."""
     for annotation in tier.iter("Annotation"):
         spans = [one for one in annotation.iter() if one.find("Begin") is not None]
@@ -49,6 +52,6 @@ def _rows(source: TimingFile, tier: Element) -> Iterator[LabelRow]:
         yield LabelRow(" ".join(filter(None, labels)), start, stop)
 
 
-def _likeliest(source: TimingFile, choices: Sequence[Element]) -> Element:
+def _likeliest(source: TimingFile, choices: "Sequence[Element]") -> "Element":
     """Return the element with the highest score; the first of equals."""
     return max(choices, key=lambda one: source.time(one.get("score", "0")))

@@ -7,10 +7,13 @@ which of the turn's speakers the text after it is of. Noises are events, which a
 from collections import defaultdict
 from collections.abc import Iterator
 from operator import methodcaller
-from xml.etree.ElementTree import Element
+from typing import TYPE_CHECKING
 
 from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
 from lipsync_lang.schedules.tiers import read_speakers
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
 
 TRANSCRIBER_ROOT = "Trans"
 
@@ -31,7 +34,7 @@ def read_transcriber(source: TimingFile) -> Timings:
     return read_speakers(source, said, [told] if noises else ())
 
 
-def _parts(source: TimingFile, turn: Element) -> Iterator[tuple[int, LabelRow]]:
+def _parts(source: TimingFile, turn: "Element") -> Iterator[tuple[int, LabelRow]]:
     """Yield the words of a turn with their times, and the number of their speaker."""
     spoken = defaultdict(list, {0: [turn.text or ""]})
     start, who = source.time(turn.get("startTime")), 0

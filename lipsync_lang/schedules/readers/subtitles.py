@@ -8,7 +8,6 @@ YouTube, repeat the row before; the repetition is left out.
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
-from html import unescape
 from itertools import groupby
 from typing import NamedTuple
 
@@ -140,6 +139,8 @@ def _whole(source: TimingFile) -> Iterator[tuple[list[tuple[int, str]], tuple[st
 
 
 def _plain(text: str) -> str:
+    from html import unescape
+
     return " ".join(unescape(CUE_TAG.sub("", text)).split())
 
 
