@@ -18,7 +18,6 @@ from lipsync_lang.base.terminal import progress, wipe
 from lipsync_lang.commands.output import FAULTS, SOUND, as_options
 from lipsync_lang.commands.registry import handler
 from lipsync_lang.packs.project import find_project, load_project
-from lipsync_lang.production.builds.unchanged import FOLDER, BuildLog, answer, pages_folder
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.yaml.faults import Fault
@@ -76,6 +75,7 @@ class MadeByBuilds:
     def learn(self, project: "ProjectBuild", reports: Iterable[Path]) -> None:
         """Read the current files of a project."""
         from lipsync_lang.production.builds.archives import split_archive
+        from lipsync_lang.production.builds.unchanged import pages_folder
 
         outputs = (path for line in project.lines for _, path in line.outputs)
         made = (project.folder / (split_archive(path) or (path,))[0] for path in outputs)
@@ -86,6 +86,7 @@ class MadeByBuilds:
         """Return True for a file that builds write."""
         from lipsync_lang.base.files.temporary import SUFFIX
         from lipsync_lang.production.builds.faces import FACE_SUFFIX
+        from lipsync_lang.production.builds.unchanged import FOLDER
 
         at = Path(path)
         return (
@@ -153,6 +154,8 @@ def build(options: Namespace) -> int:
     """Make the lines that changed since the last build, and report on all lines."""
     if options.watch:
         return watch_project(options, partial(_once, options))
+    from lipsync_lang.production.builds.unchanged import answer
+
     file, part = find_project(), options.shard.replace("/", "-of-") if options.shard else ""
     said = None if file is None else answer(file.absolute().parent, part, options)
     if said is None:
@@ -164,6 +167,8 @@ def build(options: Namespace) -> int:
 
 
 def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> int:
+    from lipsync_lang.production.builds.unchanged import BuildLog
+
     log = BuildLog((find_project() or Path("none")).absolute().parent)
     from lipsync_lang.production.builds.build_run import locked, make
     from lipsync_lang.production.builds.faces import write_faces

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, cast
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files.reach import is_reached, refuse_outside
-from lipsync_lang.packs.yaml.faults import PackFaults
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -53,6 +52,8 @@ def load_project(path: Path) -> "Pack[Project]":
     refuse_outside(path, path.parent)
     pack = cast("Pack[Project]", Library(project=None).load(path, PROJECT))
     if faults := [*check_paths(pack)]:
+        from lipsync_lang.packs.yaml.faults import PackFaults
+
         raise PackFaults(faults)
     return pack
 

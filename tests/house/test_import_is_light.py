@@ -63,6 +63,7 @@ def test_help_is_light(arguments):
     loaded = modules_after(code)
     assert not HEAVY & loaded
     assert not {one for one in loaded if one.startswith(("lipsync_lang.text.lines", "html"))}
+    assert not {"hashlib", "lipsync_lang.packs.yaml.faults"} & loaded
 
 
 @pytest.mark.parametrize(("stated", "used"), [(None, "4"), ("20", "20")])

@@ -7,7 +7,6 @@ names a folder with `--path`, once for each project, or in `LIPSYNC_LANG_PATH`.
 import os
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from hashlib import sha256
 from pathlib import Path
 
 from lipsync_lang.base.errors import PackError
@@ -55,6 +54,8 @@ def _named(folder: Path) -> list[Path]:
 
 
 def _memory(folder: Path) -> Path:
+    from hashlib import sha256
+
     from platformdirs import user_state_path
 
     name = sha256(os.fsencode(os.path.realpath(folder))).hexdigest()[:16]

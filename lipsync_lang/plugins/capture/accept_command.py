@@ -12,7 +12,6 @@ from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_path, flag, option
-from lipsync_lang.packs.yaml.faults import shown
 
 if TYPE_CHECKING:
     from lipsync_lang.plugins.capture.accept_fit import Acceptance, ReviewedItem
@@ -103,6 +102,8 @@ def _remove(options: Namespace, wanted: Sequence[str]) -> int:
         told = {"file": str(done.path), "removed": list(done.taken), "written": not options.dry_run}
         print(as_json(told))
         return SOUND
+    from lipsync_lang.packs.yaml.faults import shown
+
     verb = "would be taken" if options.dry_run else "taken"
     _name(done.taken)
     print(f"{count(len(done.taken), 'item')} {verb} out of {shown(done.path)}", file=sys.stderr)
@@ -145,6 +146,8 @@ def _weights(stated: dict[str, Any]) -> str:
 
 def _tell(done: "Acceptance", *, dry: bool) -> None:
     """Name the accepted items, and the requested items that were left out."""
+    from lipsync_lang.packs.yaml.faults import shown
+
     _name(done.taken)
     for row in done.left[:MAX_SHOWN_ITEMS]:
         print(f"{row.item.item}: {row.why}", file=sys.stderr)
