@@ -52,6 +52,7 @@ typedef unsigned char Byte;
 #define SHORTEST 0.042      /* hold.py */
 #define TAPS 3              /* of a kernel, on each side, that are summed together */
 #define LANES 8             /* poses read at once */
+#define AT_ONCE 8           /* frames ahead of one that it is compared with at once */
 #define CHAINS 10           /* rows whose running minima are computed at once */
 #define LATEST 1e9          /* seconds; beyond it frames have no place */
 #define MAX_VIEWS 20
@@ -142,6 +143,7 @@ typedef struct {
     double *part[2];  /* (stride,) between two rows of the bank's curves, of the bigrams that end and begin */
     Size *row_of[2];  /* (stride,) these rows */
     Size *phoneme;    /* (stride,) */
+    Size *begin;      /* (n,) first frame in the block of each phoneme there */
     double *boundary; /* (n + 1,) of the bigram before each phoneme, and of the one after the last */
     Size *bigram;     /* (n + 1,) first row of its curves */
     Held *held;       /* (CONTACTS * n + 1,) frames of contacts in the block, and the end of those found */
@@ -275,9 +277,10 @@ INLINE void locate(const Plan *plan, const Track *track, const Frames *frames, S
     for (int t = 0; t < (int)width; t++)
         time[t] = start + (first + t) / fps;
     Size at = phoneme_at(track, time[0] + TOUCH);
+    s->begin[at] = 0;
     for (Size t = 0; t < width; t++) {
         while (at < last && bounds[at + 1] <= time[t] + TOUCH)
-            at++;
+            s->begin[++at] = t;
         phoneme[t] = at;
     }
     double *RESTRICT share = s->share, *RESTRICT ended = s->part[0], *RESTRICT begun = s->part[1];
@@ -396,6 +399,7 @@ INLINE void scale(const Plan *plan, const Dial *dials, Size dial_count, Size wid
 INLINE void anticipate(const Plan *plan, const Track *track, Size width, Scratch *s)
 {
     const Size poses = plan->size[POSES], phonemes = plan->size[PHONEMES], ahead = plan->size[AHEAD];
+    const Size last = s->phoneme[width - 1];
     for (Size r = 0; r < plan->size[EARLY]; r++) {
         double *RESTRICT room = s->room, *RESTRICT out = s->fresh + r * s->stride;
         double *RESTRICT own = s->curves + plan->early[r] * s->stride;
@@ -411,18 +415,30 @@ INLINE void anticipate(const Plan *plan, const Track *track, Size width, Scratch
                     room[t] -= much * row[t];
         }
         for (Size t = 0; t < width; t++)
-            room[t] = opposed[track->ids[s->phoneme[t]]] ? 0 : most(room[t], 0);
+            room[t] = most(room[t], 0);
+        for (Size at = s->phoneme[0]; at <= last; at++) {
+            const Size end = at < last ? s->begin[at + 1] : width;
+            for (Size t = s->begin[at]; opposed[track->ids[at]] && t < end; t++)
+                room[t] = 0;
+        }
         double *RESTRICT narrowest = s->row;
         memcpy(out, own, (size_t)width * sizeof(double));
         memcpy(narrowest, room, (size_t)width * sizeof(double));
-        own[width] = room[width] = 0;
-        for (Size far = 1; far <= ahead && far < width && left[far] > 0; far += 2) { /* two, to load less */
+        for (Size t = width; t < width + AT_ONCE - 1; t++)
+            own[t] = room[t] = 0;
+        for (Size far = 1; far <= ahead && far < width && left[far] > 0; far += AT_ONCE) { /* to load less */
             const double *RESTRICT later = own + far, *RESTRICT between = room + far;
-            const double one = left[far], two = far < ahead ? left[far + 1] : 0;
+            double shares[AT_ONCE];
+            for (Size i = 0; i < AT_ONCE; i++)
+                shares[i] = far + i <= ahead ? left[far + i] : 0;
             for (Size t = 0; t < width - far; t++) {
-                const double nearer = narrowest[t], farther = least(nearer, between[t]);
-                out[t] = most(most(out[t], least(one * later[t], nearer)), least(two * later[t + 1], farther));
-                narrowest[t] = least(farther, between[t + 1]);
+                double best = out[t], narrow = narrowest[t];
+                for (Size i = 0; i < AT_ONCE; i++) {
+                    best = most(best, least(shares[i] * later[t + i], narrow));
+                    narrow = least(narrow, between[t + i]);
+                }
+                out[t] = best;
+                narrowest[t] = narrow;
             }
         }
     }
@@ -731,7 +747,7 @@ static int run_all(const Bank *bank, const Plan *plan, const Track *track, const
     const Size reach = most_size(plan->size[WIDE], plan->size[SHARED]);
     const Size n = track->count;
     const size_t doubles = (size_t)stride * (size_t)(2 * poses + early + 6) + 2 * (size_t)reach + (size_t)n + 1;
-    const size_t sizes = 3 * (size_t)stride + (size_t)n + 1, contacts = (size_t)(plan->size[CONTACTS] * n + 1);
+    const size_t sizes = 3 * (size_t)stride + 2 * (size_t)n + 1, contacts = (size_t)(plan->size[CONTACTS] * n + 1);
     double *memory = malloc(doubles * sizeof(double) + sizes * sizeof(Size) + contacts * sizeof(Held));
     if (!memory)
         return -1;
@@ -749,6 +765,7 @@ static int run_all(const Bank *bank, const Plan *plan, const Track *track, const
     s.row_of[0] = s.phoneme + stride;
     s.row_of[1] = s.row_of[0] + stride;
     s.bigram = s.row_of[1] + stride;
+    s.begin = s.bigram + n + 1;
     s.held = s.last_held = (Held *)(s.phoneme + sizes);
     find_bigrams(bank, plan, track, &s);
     for (Size begin = span[0]; begin < span[1]; begin += block) {
