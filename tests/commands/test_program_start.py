@@ -40,11 +40,12 @@ def test_the_program_starts_in_both_ways(program):
 def test_only_the_program_changes_how_python_collects(monkeypatch, capsys):
     usual = gc.get_threshold()
     try:
+        gc.set_threshold(700)  # as Python does; the tests collect more rarely
         assert main(["voices"]) == 0
-        assert gc.get_threshold() == usual
+        assert gc.get_threshold()[0] == 700
         monkeypatch.setattr(sys, "argv", ["lipsync-lang", "voices"])
         assert main() == 0
-        assert gc.get_threshold()[0] > usual[0]
+        assert gc.get_threshold()[0] > 700
     finally:
         gc.set_threshold(*usual)
     capsys.readouterr()
