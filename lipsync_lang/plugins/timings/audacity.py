@@ -37,7 +37,7 @@ def read_audacity(source: TimingFile) -> Timings:
 
 
 def _at_once(source: TimingFile) -> list[LabelRow]:
-    """Return the rows of a file that has nothing but labels; empty for any other."""
+    """Return the rows of a file that has labels alone; empty for any other."""
     found, text = LABELS.findall(source.text), source.text
     if len(found) != text.count("\n") + (not text.endswith("\n")):
         return []

@@ -97,7 +97,7 @@ class Artist:
         self._calm = self._usual if same else self._ground(self._busy)
 
     def _ground(self, moving: Bools) -> Ground:
-        """Draw what stands still while only some points move, in front of the background."""
+        """Draw the triangles that stand still while some points move, and what is behind them."""
         moved, side = self._normals.around(moving), self._fine
         still = np.setdiff1d(np.arange(len(self._scene.triangles)), moved)
         shade = np.linspace(ABOVE, BELOW, side, dtype=np.float32).T[..., None]

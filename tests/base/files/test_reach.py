@@ -1,4 +1,4 @@
-"""What a project reaches: its own folder, and not one beside it whose name begins alike."""
+"""A project reaches its own folder, and not one beside it whose name begins alike."""
 
 from pathlib import Path
 
