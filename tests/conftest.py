@@ -27,9 +27,6 @@ sys.path.extend({str(module.parent) for module in sorted(TESTS.rglob("*.py"))})
 DATA = "LIPSYNC_LANG_TEST_DATA"
 """Environment variable: the folder of foreign recordings and alignments."""
 
-CACHE = "LIPSYNC_LANG_TEST_CACHE"
-"""Environment variable: a folder that several runs use as the cache."""
-
 FOLDER_NUMBERS = count()
 
 
@@ -38,18 +35,17 @@ def pytest_configure(config):
 
     Garbage is collected more rarely: to do so after every 700 objects takes 6 % of the processor.
     One cache serves the workers of a run: they are started later, and inherit the environment.
-    A folder for it can be named, so that several runs share it.
     """
     gc.set_threshold(50_000, 20, 100)
     if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # as in jobs in the background
         signal.signal(signal.SIGINT, signal.default_int_handler)
     if hasattr(config, "workerinput"):
         return
-    own = TemporaryDirectory(prefix="lipsync-lang-cache-")
-    config.add_cleanup(own.cleanup)
-    os.environ["LIPSYNC_LANG_CACHE"] = os.environ.get(CACHE) or own.name
+    cache = TemporaryDirectory(prefix="lipsync-lang-cache-")
+    config.add_cleanup(cache.cleanup)
+    os.environ["LIPSYNC_LANG_CACHE"] = cache.name
     os.environ.pop("LIPSYNC_LANG_PATH", None)
-    os.environ["XDG_STATE_HOME"] = f"{own.name}/state"
+    os.environ["XDG_STATE_HOME"] = f"{cache.name}/state"
     # Commands that tests start would compile every module again, which takes half of their time.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     seed = 0 if os.environ.get("CI") else randrange(10**6)  # noqa: S311 no secret

@@ -149,6 +149,8 @@ def large(tmp_path, monkeypatch, capsys):
         folder = tmp_path / f"{lines}"
         folder.mkdir()
         monkeypatch.chdir(folder)
+        # Tests beside this one fill the shared cache until its oldest pairs are deleted.
+        monkeypatch.setenv("LIPSYNC_LANG_CACHE", str(folder / ".cache"))
         # Files are older than the build: their times of change of status cannot be set.
         monkeypatch.setattr(planning, "TICK_NANOSECONDS", 0)
         return Large(folder, capsys, lines)
