@@ -97,7 +97,7 @@ class Artist:
         self._calm = self._usual if same else self._ground(self._busy)
 
     def _ground(self, moving: Bools) -> Ground:
-        """Draw the triangles that stand still while some points move, and what is behind them."""
+        """Draw the background, and before it the triangles that no moving point turns."""
         moved, side = self._normals.around(moving), self._fine
         still = np.setdiff1d(np.arange(len(self._scene.triangles)), moved)
         shade = np.linspace(ABOVE, BELOW, side, dtype=np.float32).T[..., None]
