@@ -170,9 +170,15 @@ class Sheet:
     cos: Points
 
 
+def angles() -> Points:
+    """The angle of each column about the mouth: closer in the middle, for a round hole."""
+    even = np.arange(AROUND) * 2 * np.pi / AROUND
+    return even + 0.2 * np.sin(2 * even)
+
+
 def flat_loops() -> Points:
     """The loops as if rolled out: ellipses with their foci at the corners of the mouth."""
-    angle = np.arange(AROUND) * 2 * np.pi / AROUND
+    angle = angles()
     height = LOOPS[:, None]
     # the lower lip is the fuller one
     lip = np.where(np.sin(angle) > 0, 0.92, 1.12) * np.ones_like(height)
@@ -213,7 +219,7 @@ def spread(points: Points) -> Points:
 
 def build_sheet() -> Sheet:
     """The skin at rest."""
-    angle = np.arange(AROUND) * 2 * np.pi / AROUND
+    angle = angles()
     sin, cos = np.sin(angle), np.cos(angle)
     flat = flat_loops()
     points = spread(on_skin(directions_at(flat)))
@@ -269,16 +275,15 @@ class LipPose:
 
 LIP_POSES = {
     "W": LipPose(
-        line=Lips(-1.72, 0.34, -0.3, -0.32, 0.8, 0.8, 1.5),
-        middle=Lips(-1.5, 0.5, -0.36, -0.28, 1.2, 1.2, 1.75),
-        border=Lips(-1.05, 0.36, -0.14, -0.2, 0.85, 0.85, 1.25),
+        line=Lips(-2.1, 0.18, -0.36, -0.4, 0.7, 0.7, 1.45),
+        middle=Lips(-0.66, 0.32, -0.32, -0.28, 1.25, 1.25, 0.9),
+        border=Lips(-0.6, 0.3, -0.2, -0.15, 0.85, 0.85, 0.6),
         reach=3.8,
-        square=0.8,
     ),
     "ShCh": LipPose(
-        line=Lips(-1.0, 0.55, -0.5, 0.0, 0.65, 0.65, 1.05),
-        middle=Lips(-0.85, 0.72, -0.72, 0.0, 1.05, 1.05, 1.25),
-        border=Lips(-0.65, 0.42, -0.48, 0.0, 0.66, 0.64, 0.85),
+        line=Lips(-0.5, 0.55, -0.5, 0.0, 0.65, 0.65, 0.55),
+        middle=Lips(-0.46, 0.72, -0.72, 0.0, 1.05, 1.05, 0.7),
+        border=Lips(-0.36, 0.42, -0.48, 0.0, 0.66, 0.64, 0.5),
         reach=3.4,
         square=0.65,
     ),
@@ -296,9 +301,9 @@ LIP_POSES = {
         square=0.95,
     ),
     "wide": LipPose(
-        line=Lips(0.75, -0.02, 0.03, 0.3, -0.18, -0.18, -0.65),
-        middle=Lips(0.75, -0.08, 0.1, 0.3, -0.28, -0.28, -0.65),
-        border=Lips(0.7, -0.08, 0.1, 0.32, -0.2, -0.2, -0.58),
+        line=Lips(0.58, -0.02, 0.03, 0.3, -0.18, -0.18, -0.5),
+        middle=Lips(0.58, -0.08, 0.1, 0.3, -0.28, -0.28, -0.5),
+        border=Lips(0.55, -0.08, 0.1, 0.32, -0.2, -0.2, -0.45),
         reach=3.8,
     ),
 }
@@ -373,7 +378,7 @@ def open_shift(sheet: Sheet) -> tuple[Points, Points]:
     end = 3.2 + 3.3 * smoothstep(0.0, 0.5, down) + 3.5 * smoothstep(0.5, 1.0, down)
     weight = at_lips * smoothstep(1, 0, (far - begin) / (end - begin))
     near = smoothstep(3.0, 0.0, far)
-    narrow = np.stack([-0.35 * cos, 0.22 * np.maximum(sin, 0), 0.0 * sin], -1)
+    narrow = np.stack([-0.2 * cos, 0.22 * np.maximum(sin, 0), 0.0 * sin], -1)
     outer = jaw_shift(sheet.points) * weight[..., None] + narrow * near[..., None]
     # the pocket: its floor goes with the jaw, its roof stays
     deep = np.linspace(0, 1, len(POCKET_LOOPS))[:, None]
@@ -635,25 +640,30 @@ def tongue() -> Part:
     return Part("tongue", positions, triangles, TONGUE, 0.4, targets, shade)
 
 
+UP, DOWN = (1.12, 0.45), (-0.8, 0.3)  # how far rows of teeth go from rounded lips, and back
+
+
 def cleared(part: Part, up: float, back: float) -> Part:
     """The part gets out of the way when the lips are rounded: the small opening stays dark."""
     shift = np.tile([0.0, up, -back], (len(part.positions), 1))
+    # the lips part higher at their corners
+    shift[:, 1] *= 1 + 0.6 * (part.positions[:, 0] / MOUTH) ** 2
     return replace(part, targets={**part.targets, "W": shift})
 
 
 def mouth_parts() -> list[Part]:
     """Teeth, gums and tongue."""
     upper, lower = LINE + 0.35, LINE - 0.52
-    uppers = cleared(tooth_row("teeth", upper, 0.52), 0.8, 0.7)
-    lowers = cleared(on_jaw(tooth_row("lower teeth", lower, 0.46, back=0.3)), -0.6, 0.5)
+    uppers = cleared(tooth_row("teeth", upper, 0.52), *UP)
+    lowers = cleared(on_jaw(tooth_row("lower teeth", lower, 0.46, back=0.3)), *DOWN)
     gums = [
-        cleared(gum("gums", upper + 0.62, 0.4), 0.8, 0.7),
-        cleared(on_jaw(gum("lower gums", lower - 0.55, 0.36, back=0.3)), -0.6, 0.5),
+        cleared(gum("gums", upper + 0.62, 0.4), *UP),
+        cleared(on_jaw(gum("lower gums", lower - 0.55, 0.36, back=0.3)), *DOWN),
     ]
     return [
         mesh.merged([uppers, lowers], "teeth"),
         mesh.merged(gums, "gums"),
-        cleared(tongue(), -0.4, 0.4),
+        cleared(tongue(), -0.7, 0.4),
     ]
 
 

@@ -31,7 +31,7 @@ def test_each_pose_of_the_head_moves_what_its_title_says():
     found = measured("facefx")
     assert found["open"].aperture > 0.4
     assert found["open"].jaw > 0.3
-    assert found["W"].width < -0.4
+    assert found["W"].width < -0.15
     assert found["W"].protrusion > 0.15
     assert found["wide"].width > 0.2
     assert found["PBM"].aperture <= 0
