@@ -21,6 +21,9 @@ from lipsync_lang.packs.models.fields import (
 from lipsync_lang.packs.yaml.source import BETWEEN_SPELLINGS, Data
 from lipsync_lang.text.phonology.g2p.contexts import ContextError, compile_context
 
+_VOWELLESS = re.compile("[b-df-hj-np-tv-xzčćłřśšžбвгґджзклмнпрстфхцчшщћ]{3,}\\.$")
+"""A spelling without a vowel, which is no word at the end of a sentence."""
+
 
 def check_contexts(contexts: Mapping[str, str]) -> None:
     """Refuse a context that is not a regular expression, or too slow."""
@@ -220,7 +223,8 @@ class LanguageText(Strict):
         dict[Text, Annotated[str, Field(pattern=r"^[^{}|]+$")]], Short(_each_spelling)
     ] = Field(default={})
     """The words for ranks, such as `por.: porucznik`, before a name with a capital, another rank or
-    a mark (`por.!`). The same spelling in `abbreviations` says what is read elsewhere."""
+    a mark (`por.!`), and everywhere if three letters or more hold no vowel (`sgt.`). The same
+    spelling in `abbreviations` says what is read elsewhere."""
     rank_cases: dict[Text, RankCase] = Field(default={})
     """Cases of the ranks, in languages that inflect them before a name, by name. The first whose
     expressions fit wins."""
@@ -272,9 +276,9 @@ class LanguageText(Strict):
     @property
     def expansions(self) -> dict[str, str]:
         """The abbreviations with the ranks, which are titles."""
-        known = self.abbreviations
+        known, ranks = self.abbreviations, self.ranks.items()
         # before a name with a capital the rank is said, otherwise what follows the bars
-        return known | {key: f"{word}||{known.get(key, '')}" for key, word in self.ranks.items()}
+        return known | {k: f"{w}||{known.get(k, w * bool(_VOWELLESS.match(k)))}" for k, w in ranks}
 
     @property
     def number_tables(self) -> dict[str, dict[str, str]]:

@@ -516,11 +516,9 @@ class Expansions:
                 number = roman(one["numeral"])
                 ordinal = 0 < number <= len(ordinals)
                 read = ordinals[number - 1] if ordinal else self._keys.respelled(str(number))
-                named = not bare or not one[0][0].islower()
-                word = one["numeral"] in self._forms.numeral_words and _IN_SENTENCE.match(
-                    text, one.end("numeral")
-                )
-                if number and named and not word:
+                in_sentence = _IN_SENTENCE.match(text, one.end("numeral"))
+                word = in_sentence and one["numeral"] in self._forms.numeral_words
+                if number and not (word or (bare and one[0][0].islower())):
                     yield Replacement(one.start("numeral"), one.end(), read)
 
     @cached_property

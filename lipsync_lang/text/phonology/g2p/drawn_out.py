@@ -175,9 +175,8 @@ def starts_of(token: str, vowels: str, hyphenated: Collection[str] = ()) -> tupl
 def begins(start: str, word: str) -> bool:
     """Return True if a word begins with these letters and goes on, or is that one letter."""
     short, long = folded(start), folded(word)
-    if not short or len(start) > MAX_STUTTER_CHARS or not long.startswith(short):
-        return False
-    return len(long) > len(short) or len(start) == 1
+    begun = short and len(start) <= MAX_STUTTER_CHARS and long.startswith(short)
+    return bool(begun) and (len(long) > len(short) or len(start) == 1)
 
 
 def spelled_out(start: str, vowels: str) -> bool:

@@ -81,8 +81,7 @@ class OwnWords:
             apart = "-" in word or word[1:] != piece.text[1:]
             if not apart and self._starts.isdisjoint((word[:3], word[:2], word[:1])):
                 continue
-            whole = self._find(piece.text) is not None
-            at = piece.start
+            at, whole = piece.start, self._find(piece.text)
             for part in (piece.text,) if whole else _WORD_PARTS.findall(piece.text):
                 at = text.index(part, at)
                 one = self._find(part)
