@@ -66,6 +66,7 @@ class Library(Finder):
     files : path -> SHA-256 of the bytes read
     model_states : path -> `model_state` of each model whose shapes decided targets
     faults : every fault found so far, in order
+    sound : languages that were checked, and are sound with the common phonemes
     """
 
     def __init__(
@@ -86,6 +87,8 @@ class Library(Finder):
             place, hint = "installed distributions", "install it again, or remove it"
             self.faults.append(Fault(place, 1, 1, "W304", what, hint, "warning"))
         self._loaded: dict[FileRequest, _LoadedFile] = {}
+        self._whole: dict[Path, Pack[models.Language]] = {}
+        self.sound: set[Pack[models.Language]] = set()
         self._earlier = {} if earlier is None else earlier.by_content()
 
     def lookup(self, kind: str, name: str) -> tuple[str, ...]:
@@ -123,9 +126,11 @@ class Library(Finder):
         """Load a language with all that it inherits; raise `PackFaults` for an unsound parent."""
         from lipsync_lang.packs.extending import merge
 
-        line = self._line(path, "language")
-        model = reduce(merge, (pack.model for pack in reversed(line)))
-        return Pack(model, tuple(pack.source for pack in line))
+        if path not in self._whole:
+            line = self._line(path, "language")
+            model = reduce(merge, (pack.model for pack in reversed(line)))
+            self._whole[path] = Pack(model, tuple(pack.source for pack in line))
+        return self._whole[path]
 
     def _usual(self, stated: "Pack[models.Language]") -> "Pack[models.Language]":
         """Return a language with its usual mapping: a bare label means that, not the parent's."""

@@ -169,13 +169,13 @@ class PairPacks:
 
         Phonemes that this pair does not know may well be another language's, but must be some.
         """
-        common, poseset = self.common.model, self.poseset.model
+        common, poseset, sound = self.common.model, self.poseset.model, self.library.sound
         rigs = {path.stem for path in self.library.rigs_of(poseset.name)}
         spoken = {found.name for found in self.library.names("language")}
         phonemes = self.known
         found = [
             *checks.check_phonemes(self.common),
-            *checks.check_language(self.language, common),
+            *([] if self.language in sound else checks.check_language(self.language, common)),
             *checks.check_poseset(self.poseset, phonemes),
         ]
         for bank in (*self.banks, *self.own_banks):
@@ -195,6 +195,7 @@ class PairPacks:
         faults = [f for f in found if f.severity == "fault"]
         if faults:
             raise PackFaults(sorted(set(faults)))
+        sound.add(self.language)
 
     @cached_property
     def known(self) -> Collection[str]:

@@ -97,8 +97,8 @@ def _endings(
 ) -> Iterator[Fault]:
     """Check that rules name others that are stated in full, and change endings that these have."""
     loc = ("text", "number_rules", table)
-    others = {name for name, r in text.number_rules.items() if not isinstance(r, RulesLike)}
-    if rules.like in text.number_rules.keys() - others:
+    others = {n: full for n, full in text.number_rules.items() if not isinstance(full, RulesLike)}
+    if rules.like in text.number_rules.keys() - others.keys():
         what = f"'{rules.like}' is like other rules itself"
         hint = f"state '{rules.like}' in full, or name rules that are"
         yield language.fault((*loc, "like"), "P236", what, hint)
@@ -106,7 +106,7 @@ def _endings(
     if rules.like not in others:
         yield language.unknown((*loc, "like"), "P236", "rules of numbers", rules.like, others)
         return
-    ends = {rules.ending(words)[0] for words in text.number_tables[rules.like].values()}
+    ends = {rules.ending(words)[0] for words in others[rules.like].values()}
     for end in rules.endings.keys() - ends:
         what = f"no word of '{rules.like}' ends in '{end}'"
         hint = "correct it, or delete it"

@@ -117,9 +117,8 @@ class RulesLike(Strict):
     def ending(self, words: str) -> tuple[str, str]:
         """Return the ending of words that is replaced, maybe empty, and the signs behind it."""
         word = re.sub(r"(\[[^\]]*\]| ?>)$", "", words)
-        ends = (word[at:] for at in range(len(word)))
-        # from the whole word down, so that the longest ending wins
-        return next((end for end in ends if end in self.endings), ""), words[len(word) :]
+        ends = filter(word.endswith, self.endings)
+        return max(ends, key=len, default=""), words[len(word) :]
 
 
 def _rules_form(value: Data) -> str:
