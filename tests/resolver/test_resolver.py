@@ -223,3 +223,14 @@ def test_a_faulty_pack_tells_all_its_faults_when_it_is_used(tmp_path):
     write(tmp_path / "posesets" / "facefx" / "poseset.yaml", text)
     with pytest.raises(PackError, match=r"(?s)P104.*at most 2.*P201 unknown pose 'VF'"):
         compiled(tmp_path)
+
+
+def test_an_unsound_language_is_refused_for_each_character(tmp_path):
+    path = tmp_path / "languages/odd.yaml"
+    path.parent.mkdir()
+    head = "kind: language\nformat: 1\nname: odd\ntag: qaa\nextends: english\n"
+    path.write_text(head + "words: {odd: {phonemes: [nowhere]}}\n")
+    library = Library(project=tmp_path)
+    for character in ("facefx", "crab"):
+        with pytest.raises(PackError, match="nowhere"):
+            compile_pair(library, "odd", character)
