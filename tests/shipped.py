@@ -69,15 +69,15 @@ def _load_pairs_once(patch):
     unsealed, compiled = pair_cache.unsealed, pair_cache._compiled  # noqa: SLF001 behind all checks
     kept = {}
 
-    def unsealed_once(mark, content):
+    def unsealed_once(mark, path):
+        content = path.read_bytes() if path else b""
         name = content[: len(mark) + pair_cache.DIGEST]
         if name in kept and kept[name][0] == content:
             return memoryview(kept[name][0])[len(name) :]
-        rest = unsealed(mark, content)
-        if rest is not None:
-            kept[name] = [content, None]
-            while len(kept) > KEPT_PAIRS:
-                del kept[next(iter(kept))]
+        rest = unsealed(mark, path)
+        kept[name] = [rest.obj, None]
+        while len(kept) > KEPT_PAIRS:
+            del kept[next(iter(kept))]
         return rest
 
     def compiled_once(head, body):

@@ -14,10 +14,13 @@ from lipsync_lang.commands.registry import handler
 )
 def resolve(options: Namespace) -> int:
     """Print a resolver's report; gaps are faults."""
-    from lipsync_lang.performing.resolving import resolve as resolve_pair
+    from lipsync_lang.resolver.cache import load_report
 
-    report = resolve_pair(
-        options.language, options.character, paths=options.path, gaps="rest"
-    ).report
+    pair = options.language, options.character
+    report = load_report(*pair, options.path)
+    if report is None:  # a performer needs many imports more
+        from lipsync_lang.performing.resolving import resolve as resolve_pair
+
+        report = resolve_pair(*pair, paths=options.path, gaps="rest").report
     print(as_json(asdict(report)) if options.json else report)
     return FAULTS if report.gaps else SOUND

@@ -19,15 +19,16 @@ from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from lipsync_lang.base.version import __version__
+from lipsync_lang.packs.finding import FOLDERS, Finder, Paths, located
+from lipsync_lang.packs.library import Library, model_state
+from lipsync_lang.packs.project import stated_mouth
+from lipsync_lang.packs.yaml.source import read_bytes
 from lipsync_lang.pipeline.motion import Motion
-from lipsync_lang.pipeline.tables import RESOLUTION, Tables
+from lipsync_lang.resolver.compiled import CompiledPair, Origin, Report
 
 if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Library
-    from lipsync_lang.resolver.compiled import CompiledPair, Origin
+    from lipsync_lang.pipeline.tables import Tables
 
 _log = logging.getLogger(__name__)
 
@@ -42,23 +43,23 @@ COMPILERS = ("faces/rigs", "packs", "pipeline", "resolver", "text/phonology")
 """Folders of the compiling code. A change below them invalidates every file."""
 
 BANK_ARRAYS = {
-    "curves": (np.float32, "rows times poses"), "boundary": (np.float64, "rows"),
-    "free": (np.bool_, "rows"),
+    "curves": ("f4", "rows times poses"), "boundary": ("f8", "rows"),
+    "free": ("?", "rows"),
 }  # fmt: skip
 """Arrays of a style by name, with their types and dimensions."""
 
 CONTACT_ARRAYS = {
-    "phonemes": (np.bool_, "phonemes"), "floor": (np.float64, "poses"),
-    "ceiling": (np.float64, "poses"),
+    "phonemes": ("?", "phonemes"), "floor": ("f8", "poses"),
+    "ceiling": ("f8", "poses"),
 }  # fmt: skip
 """Arrays of a contact."""
 
 ARRAYS = {
-    **BANK_ARRAYS, "pairs": (np.intp, "phonemes phonemes"), "opposed": (np.bool_, "phonemes poses"),
-    "thresholds": (np.float64, "poses poses"), "paper": (np.float64, "poses poses"),
-    "priority": (np.float64, "poses"), "softness": (np.float64, "poses"),
-    "anticipate": (np.float64, "poses"), "highest": (np.float64, "poses"),
-    "trigrams": (np.intp, "trigrams"), "trigram_rows": (np.intp, "trigrams halves"),
+    **BANK_ARRAYS, "pairs": ("p", "phonemes phonemes"), "opposed": ("?", "phonemes poses"),
+    "thresholds": ("f8", "poses poses"), "paper": ("f8", "poses poses"),
+    "priority": ("f8", "poses"), "softness": ("f8", "poses"),
+    "anticipate": ("f8", "poses"), "highest": ("f8", "poses"),
+    "trigrams": ("p", "trigrams"), "trigram_rows": ("p", "trigrams halves"),
 }  # fmt: skip
 """Arrays of the tables."""
 
@@ -91,22 +92,18 @@ def compiler(folders: tuple[str, ...] = COMPILERS) -> str:
     return whole.hexdigest()
 
 
-def _key(language: str, character: str, paths: Sequence[Path]) -> str:
+def _key(names: Sequence[str], paths: Sequence[Path]) -> str:
     """Return the file key of a pair, as JSON: its names, search paths, project and its mouths.
 
     Folders without packs are left out, so that all projects without packs share a file.
     """
-    from lipsync_lang.packs.project import stated_mouth
-
     here = Path.cwd()
     searched = [str(path.absolute()) for path in paths if path.is_file() or _has_packs(path)]
     own = str(here) if _has_packs(here) else ""
-    return json.dumps([language, character, searched, own, stated_mouth(here)])
+    return json.dumps([*names, searched, own, stated_mouth(here)])
 
 
 def _has_packs(folder: Path) -> bool:
-    from lipsync_lang.packs.finding import FOLDERS
-
     return any((folder / kind).exists() for kind in FOLDERS.values())
 
 
@@ -115,29 +112,44 @@ def _path(key: str) -> Path | None:
     return where / f"{sha256(key.encode()).hexdigest()[:32]}.pair" if where else None
 
 
-def load(language: str, character: str, paths: Sequence[Path]) -> "CompiledPair | None":
+def load(language: str, character: str, paths: Sequence[Path]) -> CompiledPair | None:
     """Return a compiled pair from the cache; None if its file is damaged, foreign or stale."""
-    key = _key(language, character, paths)
-    path = _path(key)
-    compiled = None
     with suppress(Exception):  # a forged file can fail anywhere
-        rest = unsealed(MARK, path.read_bytes()) if path else None
-        if rest is not None:
-            stop = 8 + int.from_bytes(rest[:8], "little")
-            head = json.loads(bytes(rest[8:stop]))
-            if (head["key"], head["compiler"]) == (key, compiler()) and _fresh(head, paths):
-                # the arrays begin at the next aligned place, as `_encode` lays them
-                compiled = _compiled(head, rest[stop + (-stop % ALIGNMENT) :])
-    _log.info("%s on %s: %s", language, character, "cached" if compiled else "to be compiled")
-    return compiled
+        return _compiled(*_read((language, character), paths))
+    _log.info("%s on %s: to be compiled", language, character)
+    return None
 
 
-def save(compiled: "CompiledPair", language: str, character: str, library: "Library") -> None:
+def load_report(language: str, character: str, paths: Paths) -> Report | None:
+    """Return the report of a compiled pair from the cache, without its arrays; None as `load`.
+
+    A name that is not found has none either.
+    """
+    with suppress(Exception):  # as in `load`
+        names, folders = located(paths, language=language, character=character)
+        return Report(**_tuples(_read(names, folders)[0]["report"]))
+    return None
+
+
+def _read(names: Sequence[str], paths: Sequence[Path]) -> tuple[dict[str, Any], memoryview]:
+    """Return the head and the body of the file of a pair; raise an error for one that is stale."""
+    key = _key(names, paths)
+    rest = unsealed(MARK, _path(key))
+    stop = 8 + int.from_bytes(rest[:8], "little")
+    head = json.loads(bytes(rest[8:stop]))
+    if (head["key"], head["compiler"]) != (key, compiler()) or not _fresh(head, paths):
+        raise ValueError("the file is stale")
+    _log.info("%s on %s: cached", *names)
+    # the arrays begin at the next aligned place, as `_encode` lays them
+    return head, rest[stop + (-stop % ALIGNMENT) :]
+
+
+def save(compiled: CompiledPair, language: str, character: str, library: Library) -> None:
     """Write a compiled pair to the cache; a cache that cannot be written is not an error."""
     from lipsync_lang.base.errors import OutputError
     from lipsync_lang.base.files import atomic
 
-    key = _key(language, character, library.paths)
+    key = _key((language, character), library.paths)
     path = _path(key)
     if path is None:
         return
@@ -172,22 +184,24 @@ def sealed(mark: bytes, parts: Iterable[bytes | memoryview]) -> list[bytes | mem
     return [mark, whole.digest(), *body]
 
 
-def unsealed(mark: bytes, content: bytes) -> memoryview | None:
-    """Return the content of a cache file after its mark and digest; None if they do not fit."""
-    start = len(mark) + DIGEST
+def unsealed(mark: bytes, path: Path | None) -> memoryview:
+    """Return the content of a cache file after its mark and digest; an error if they do not fit."""
+    content, start = path.read_bytes() if path else b"", len(mark) + DIGEST
     rest = memoryview(content)[start:]
     digest = blake2b(rest, digest_size=DIGEST).digest()
-    return rest if content[:start] == mark + digest else None
+    if content[:start] != mark + digest:
+        raise ValueError("the file is damaged, or of another program")
+    return rest
 
 
-def _encode(compiled: "CompiledPair", key: str, library: "Library") -> list[bytes | memoryview]:
+def _encode(compiled: CompiledPair, key: str, library: Library) -> list[bytes | memoryview]:
     """Return the parts of a cache file in order, without a copy of the arrays."""
     body: list[bytes | memoryview] = []
     places, size = {}, 0
     for name, array in compiled.tables.arrays.items():
         places[name] = [array.dtype.str, list(array.shape), size]
         # aligned, so that a load can use the file's own memory
-        body += [np.ascontiguousarray(array).data, b"\0" * (-array.nbytes % ALIGNMENT)]
+        body += [array.ravel().data, b"\0" * (-array.nbytes % ALIGNMENT)]
         size += array.nbytes + len(body[-1])
     plain = {
         name: getattr(compiled, name)
@@ -215,10 +229,6 @@ def _encode(compiled: "CompiledPair", key: str, library: "Library") -> list[byte
 
 def _fresh(head: dict[str, Any], paths: Sequence[Path]) -> bool:
     """Return True if all lookups and files are unchanged since the compilation."""
-    from lipsync_lang.packs.finding import Finder
-    from lipsync_lang.packs.library import model_state
-    from lipsync_lang.packs.yaml.source import read_bytes
-
     finder = Finder(paths)
     return (
         all(
@@ -235,9 +245,7 @@ def _fresh(head: dict[str, Any], paths: Sequence[Path]) -> bool:
     )
 
 
-def _compiled(head: dict[str, Any], body: memoryview) -> "CompiledPair":
-    from lipsync_lang.resolver.compiled import CompiledPair, Report
-
+def _compiled(head: dict[str, Any], body: memoryview) -> CompiledPair:
     plain = head["plain"]
     tables = _tables(head, body)
     origins = tuple(map(_origin, plain.pop("origins")))
@@ -273,8 +281,12 @@ def _tuples(plain: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _tables(head: dict[str, Any], body: memoryview) -> Tables:
+def _tables(head: dict[str, Any], body: memoryview) -> "Tables":
     """Return the tables of a file; raise an error for arrays or indices that do not fit."""
+    import numpy as np
+
+    from lipsync_lang.pipeline.tables import RESOLUTION, Tables
+
     plain, places = head["plain"], head["arrays"]
     sizes = {name: len(plain[name]) for name in ("poses", "phonemes")}
     sizes |= {"rows": len(plain["origins"]), "times": RESOLUTION + 1}
@@ -305,9 +317,7 @@ def _tables(head: dict[str, Any], body: memoryview) -> Tables:
     return tables
 
 
-def _origin(plain: Any) -> "Origin":
-    from lipsync_lang.resolver.compiled import Origin
-
+def _origin(plain: Any) -> Origin:
     pair, layer, status, places, word, triple = plain
     # JSON has lists alone
     whole = None if triple is None else (triple[0], triple[1], triple[2])

@@ -1,13 +1,15 @@
 """The result of resolving: tables and names as plain data, with a report of their origins."""
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lipsync_lang.base.errors import count
 from lipsync_lang.base.grouping import grouped
 from lipsync_lang.pipeline.motion import Motion
-from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.text.phonology.labels import Value
+
+if TYPE_CHECKING:
+    from lipsync_lang.pipeline.tables import Tables
 
 LAYERS = ("character", "language", "shared", "like", "draft", "gap")
 """Origins of a bigram, in order of lookup; `gap` means no origin."""
@@ -162,7 +164,7 @@ class CompiledPair:
     """Manner of the character: points of `styles` and `dials`, factors of `gestures`, by name."""
     line_deliveries: dict[str, dict[str, Any]]
     """Manner of each line that has its own."""
-    tables: Tables
+    tables: "Tables"
     motion: Motion
     gestures: dict[str, Any]
     """`poses` of gestures, each with its channel and limits; `gestures` with their places; and

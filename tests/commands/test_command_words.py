@@ -61,6 +61,12 @@ def test_the_log_is_silent_unless_it_is_asked_for(cli, line, monkeypatch):
     assert not logging.getLogger("lipsync_lang").handlers
 
 
+def test_the_log_says_once_whether_a_pair_is_cached(cli, tmp_path, monkeypatch):
+    monkeypatch.setenv("LIPSYNC_LANG_CACHE", str(tmp_path))
+    for told in ("to be compiled", "cached"):
+        assert cli("resolve", *PAIR, "-v").err.count(f"english on facefx: {told}") == 1
+
+
 def test_an_unknown_level_of_the_log_is_a_message(cli, monkeypatch):
     monkeypatch.setenv("LIPSYNC_LANG_LOG", "all")
     ended = cli("formats")

@@ -130,6 +130,13 @@ def test_a_run_loads_the_writers_of_its_files_alone(tmp_path):
     assert not {f"lipsync_lang.{one}" for one in idle} & loaded
 
 
+def test_a_report_from_the_cache_needs_no_arrays():
+    resolve = ["resolve", "-l", "english", "-c", "facefx"]
+    code = f"from lipsync_lang.cli import main\nassert main({resolve!r}) == 0"
+    modules_after(code)
+    assert not {"numpy", "pydantic", "ruamel.yaml"} & modules_after(code)
+
+
 def test_a_build_of_texts_loads_nothing_that_hears(tmp_path):
     settings = "language: english\ncharacter: facefx\nlines: script.csv\noutputs: ['{id}.csv']\n"
     (tmp_path / "lipsync.yaml").write_text(f"kind: project\nformat: 1\n{settings}")

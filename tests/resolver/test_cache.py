@@ -100,6 +100,16 @@ def test_a_warm_performance_is_the_same_to_the_last_bit(store):
     assert only(store)
 
 
+def test_the_report_of_a_pair_is_kept_alone(store):
+    assert cache.load_report(*PAIR, ()) is None
+    cold = ll.resolve(*PAIR).report
+    assert cold == cache.load_report(*PAIR, ())
+    assert cache.load_report("child", "nobody", ()) is None
+    put(Path(), "posesets/face/poseset.yaml", "kind: poseset\n")
+    assert only(store).is_file()
+    assert cache.load_report(*PAIR, ()) is None
+
+
 def test_folders_without_packs_share_the_cache(store, tmp_path, monkeypatch):
     for name in ("one", "other"):
         (tmp_path / name).mkdir()

@@ -8,6 +8,7 @@ compiled pair is: it must be whole, and it holds data alone (decision 0002).
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import astuple, dataclass, fields, replace
 from functools import partial
 from pathlib import Path
@@ -68,15 +69,11 @@ class TimingCache:
 
     def load(self, line: PlannedLine) -> Schedule | None:
         """Return the schedule of a line, with its sound; None if there is none to trust."""
-        try:
-            path = self._path(line) if self.reuse else None
-            content = unsealed(MARK, path.read_bytes()) if path else None
-            if content is None:
-                return None
+        with suppress(Exception):  # a forged file can fail anywhere, and the line is timed again
+            content = unsealed(MARK, self._path(line) if self.reuse else None)
             recording = None if line.audio is None else read_audio(self.folder / line.audio)
             return _decoded(content, recording)
-        except Exception:  # noqa: BLE001 a forged file can fail anywhere, and the line is timed again
-            return None
+        return None
 
     def save(self, line: PlannedLine, timed: object) -> None:
         """Keep the schedule of a line; an error, or a cache that cannot be written, is skipped."""
