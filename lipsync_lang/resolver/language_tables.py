@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from unicodedata import normalize
 
 from lipsync_lang.packs.finding import IPA, beside, model_beside
+from lipsync_lang.text.phonology.g2p.drawn_out import spelled_out
 from lipsync_lang.text.phonology.g2p.g2p_engines import TONED, Correction, Rule, Settings
 from lipsync_lang.text.phonology.g2p.own_words import by_spelling, ipa_labels, stands_alone
 from lipsync_lang.text.phonology.g2p.spoken_forms import OwnWord, SpokenForms
@@ -18,6 +19,7 @@ from lipsync_lang.text.phonology.manner import Hearing, Manner
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
     from lipsync_lang.packs.library import Library
+    from lipsync_lang.packs.models.text_models import LanguageText
     from lipsync_lang.packs.pack import Pack
 
 
@@ -180,11 +182,11 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         known.pop(spelling, None)
         if own is not None:
             known[spelling] = OwnWord(own.to, own.say)
-    numerals = stated.numerals
+    numerals, vowels = stated.numerals, shared.vowels if shared else ""
     alike = ("beginnings", "letters", "repeated", "doubled", "hyphenated", "curses", "thousands")
     return SpokenForms(
         interjections=known,
-        abbreviations=_listed(stated.expansions, stated.lists) | phrases,
+        abbreviations=_listed(abbreviations_of(stated, vowels), stated.lists) | phrases,
         words=words,
         endings={last: dict(others) for last, others in stated.endings.items()},
         rank_cases=tuple((r.before, r.after, r.endings) for r in stated.rank_cases.values()),
@@ -194,6 +196,23 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         **shared_forms,
         **{name: getattr(stated, name) for name in (*alike, "decimal")},
     )
+
+
+def abbreviations_of(text: "LanguageText", vowels: str) -> dict[str, str]:
+    """Return the abbreviations of a language with its ranks, which are titles."""
+    said = dict(text.abbreviations)
+    for rank, words in text.ranks.items():
+        elsewhere = words if _ends_no_sentence(rank, vowels) else ""
+        # before a name with a capital the rank is said, otherwise what follows the bars
+        said[rank] = f"{words}||{said.get(rank, elsewhere)}"
+    return said
+
+
+def _ends_no_sentence(rank: str, vowels: str) -> bool:
+    """Return True for a rank such as `sgt.`: three letters without a vowel are no word."""
+    stopped = rank[3:].endswith(".")
+    # alphabets without small letters write few vowels
+    return stopped and rank.islower() and spelled_out(rank[:-1], vowels)
 
 
 def _nearest(

@@ -32,9 +32,3 @@ def test_tables_of_packs_are_full(name):
     like = {one for one, rules in stated.items() if isinstance(rules, RulesLike)}
     assert all(text.number_tables[one] for one in like)
     assert stated.keys() == (text.number_tables.keys() if text else set())
-
-
-def test_a_rank_without_a_vowel_is_read_without_a_name():
-    ranks = {"sgt.": "sergent", "cap.": "capitaine", "lt.": "lieutenant"}
-    read = LanguageText.model_validate({"ranks": ranks}).expansions
-    assert read == {"sgt.": "sergent||sergent", "cap.": "capitaine||", "lt.": "lieutenant||"}

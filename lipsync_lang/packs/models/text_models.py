@@ -21,9 +21,6 @@ from lipsync_lang.packs.models.fields import (
 from lipsync_lang.packs.yaml.source import BETWEEN_SPELLINGS, Data
 from lipsync_lang.text.phonology.g2p.contexts import ContextError, compile_context
 
-_VOWELLESS = re.compile("[b-df-hj-np-tv-xzčćłřśšžбвгґджзклмнпрстфхцчшщћ]{3,}\\.$")
-"""A spelling without a vowel, which is no word at the end of a sentence."""
-
 
 def check_contexts(contexts: Mapping[str, str]) -> None:
     """Refuse a context that is not a regular expression, or too slow."""
@@ -271,13 +268,6 @@ class LanguageText(Strict):
     """Words with a hyphen that look like stutters, such as `D-Day`."""
     curses: tuple[Text, ...] = ()
     """Words that scripts censor, in small letters: with `damn`, `d*mned` has its letters."""
-
-    @property
-    def expansions(self) -> dict[str, str]:
-        """The abbreviations with the ranks, which are titles."""
-        known, ranks = self.abbreviations, self.ranks.items()
-        # before a name with a capital the rank is said, otherwise what follows the bars
-        return known | {k: f"{w}||{known.get(k, w * bool(_VOWELLESS.match(k)))}" for k, w in ranks}
 
     @property
     def number_tables(self) -> dict[str, dict[str, str]]:

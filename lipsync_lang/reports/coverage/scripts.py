@@ -178,7 +178,7 @@ def letters_of(language: Language) -> frozenset[str]:
     written += [*language.examples.values(), *language.asides]
     if text:
         said = chain.from_iterable(words.values() for words in text.lists.values())
-        written += [*text.expansions.values(), *filter(None, said)]
+        written += [*text.abbreviations.values(), *text.ranks.values(), *filter(None, said)]
     return frozenset(plain(" ".join(written)))
 
 

@@ -12,6 +12,8 @@ from lanes import swept
 from shipped import LIBRARY
 
 from lipsync_lang.base.errors import SpeechError
+from lipsync_lang.packs.models.text_models import LanguageText
+from lipsync_lang.resolver.language_tables import abbreviations_of
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 from lipsync_lang.text.phonology.g2p.abbreviation_keys import Expansions
 from lipsync_lang.text.phonology.g2p.censored import uncensored
@@ -124,6 +126,19 @@ def test_a_rank_needs_no_name_before_a_mark(name):
         assert [found.read for found in expansions.find(f"- {key}!")] == [word]
 
 
+@pytest.mark.parametrize(
+    ("anywhere", "ranks"),
+    [
+        (True, ["sgt.", "çvş.", "сгт.", "пдпрч.", "στρ.", "րպտ.", "სრჟ."]),
+        (False, ["cap.", "lt.", "sgt", "Sgt.", "край.", "αρχ.", "ցեղ.", "გენ.", "רסן.", "नयक."]),
+    ],
+)
+def test_a_rank_is_read_anywhere_without_a_vowel_in_any_alphabet(anywhere, ranks):
+    text = LanguageText.model_validate({"ranks": dict.fromkeys(ranks, "rank")})
+    read = abbreviations_of(text, LIBRARY.common().model.text.vowels)
+    assert read == dict.fromkeys(ranks, "rank||rank" if anywhere else "rank||")
+
+
 def test_a_title_that_means_something_else_needs_a_name():
     expansions = Expansions(Speaker.of("english").manner.forms)
     for text in ("In Main St.!", "In Main St., now", "In Main St."):
@@ -141,7 +156,7 @@ def test_the_stop_of_a_unit_ends_no_sentence_before_a_small_letter(after, stops)
 def test_written_forms_are_spelled_as_texts_are(name):
     model = LIBRARY.language(name).model
     split = [normalize("NFC", letter) for letter in (model.g2p.letters if model.g2p else ())]
-    stated = model.text.expansions if model.text else {}
+    stated = model.text.abbreviations | model.text.ranks if model.text else {}
     assert not [key for pair in stated.items() for key in pair if any(map(key.__contains__, split))]
 
 
