@@ -97,7 +97,8 @@ class Extensions(Mapping[str, T]):
         self.modules = dict(modules or {})
         self.known: dict[str, T] = {}
         self.origins: dict[str, str] = {}
-        self._plugged = self._joined = False
+        self._plugged = False
+        self._joined = set[str | None]()
 
     def add(self, name: str, value: T, module: str) -> None:
         """Register a value defined in `module`; called by the decorators.
@@ -227,24 +228,28 @@ D = TypeVar("D", bound=Callable[..., object])
 class Formats(Extensions[F]):
     """File formats by name and by file suffix."""
 
-    def built_in(self) -> dict[str, F]:
+    def built_in(self, path: Path | None = None) -> dict[str, F]:
         """Return the program's own formats, those of its plug-ins among them.
 
-        The formats compete for a file by its content and its suffix, so all of them take part.
+        The formats compete for a file by its content and its suffix, so all of them take part. With
+        a path, plug-ins of other suffixes need not: entry points such as `azure.json` state them.
         """
         found = super().built_in()
+        end = None if path is None else path.name.lower().rpartition(".")[2]
         with _lock:
-            if not self._joined:
-                self._joined = True
-                for entry_point in _every("lipsync_lang"):  # no other distribution is read
-                    if entry_point.group == self.group and entry_point.dist == PROGRAM:
-                        _load(entry_point)
+            if not {None, end} & self._joined:
+                self._joined.add(end)
+                for one in _every("lipsync_lang"):  # no other distribution is read
+                    fitting = "." not in one.name or end in (None, *one.name.split(".")[1:])
+                    own = fitting and (one.group, one.dist) == (self.group, PROGRAM)
+                    if own and one.module not in sys.modules:
+                        _load(one)
                 found = super().built_in()
         return found
 
     def ending(self, path: Path) -> list[F]:
         """Return the formats with a matching suffix of a path, longest suffix first."""
-        found = _ending(path, self.built_in())
+        found = _ending(path, self.built_in(path))
         # The suffix `.take.json` of a plug-in must win over the built-in `.json`.
         if not found or len(path.suffixes) > 1:
             found = _ending(path, self)

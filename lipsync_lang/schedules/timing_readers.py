@@ -7,10 +7,11 @@ A file's content tells its format, before its suffix does: many programs write `
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from pathlib import Path
 
 from lipsync_lang.base.errors import ScheduleError
-from lipsync_lang.base.extensions import Format, Formats
+from lipsync_lang.base.extensions import PROGRAM, Format, Formats
 from lipsync_lang.base.files import argument_path
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timed_words import TimedWords
@@ -143,11 +144,11 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
     if name is not None:
         return TIMING_READERS.find(name, ScheduleError)
     named = TIMING_READERS.ending(source.path)
-    own = sorted(one.name for one in named)
+    own = [one for one in named if TIMING_READERS.origins[one.name] == PROGRAM]
     # A plug-in reads what no built-in reader knows; another suffix counts where its own does not.
-    for readers in (TIMING_READERS.built_in(), TIMING_READERS):
-        found = [readers[one] for one in own if one in readers and readers[one].sniff(source)]
-        found = found or [one for _, one in sorted(readers.items()) if one.sniff(source)]
+    for readers in (lambda: own, lambda: TIMING_READERS.built_in().values(), TIMING_READERS.values):
+        found = sorted((one for one in readers() if one.sniff(source)), key=attrgetter("name"))
+        found = [one for one in found if one in named] or found
         if len(found) > 1:
             names = " or ".join(one.name for one in found)
             raise source.fault(f"may be {names}; choose one (`read_as={found[0].name!r}`)")

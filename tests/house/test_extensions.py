@@ -3,6 +3,7 @@
 import os
 import sys
 import warnings
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,8 @@ from lipsync_lang.animations.animation_readers import ANIMATION_READERS
 from lipsync_lang.animations.animation_writers import WRITERS, find_writer, writer
 from lipsync_lang.base import extensions
 from lipsync_lang.base.errors import LipsyncError, OutputError
-from lipsync_lang.base.extensions import Extensions, PluginWarning
+from lipsync_lang.base.extensions import Extensions, PluginWarning, installed
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.cli import main
 from lipsync_lang.commands.registry import COMMANDS
 from lipsync_lang.reports.coverage.forms import FORMS
@@ -205,6 +207,14 @@ def test_what_is_built_in_is_there_under_its_name(known):
     assert known.built_in() or known.group in alone
     assert set(known.modules) <= set(known.built_in())
     assert set(known.origins.values()) <= {"lipsync-lang"}
+
+
+def test_entry_points_of_our_readers_state_all_their_suffixes():
+    stated = {one.module: one.name.split(".")[1:] for one in installed(TIMING_READERS.group)}
+    made = grouped((one.read.__module__, one.suffixes) for one in TIMING_READERS.values())
+    assert {*stated} < {*made}
+    for module, ends in stated.items():
+        assert {f".{end}" for end in ends} == {*chain.from_iterable(made[module])}, module
 
 
 def test_kinds_have_groups_of_their_own():

@@ -137,6 +137,15 @@ def test_a_report_from_the_cache_needs_no_arrays():
     assert not {"numpy", "pydantic", "ruamel.yaml"} & modules_after(code)
 
 
+def test_timings_in_json_load_no_readers_of_other_suffixes(tmp_path):
+    line = tmp_path / "line.json"
+    line.write_text('[{"label": "M", "start": 0, "end": 0.2}]')
+    loaded = modules_after(f"import lipsync_lang as ll; ll.read_schedule({str(line)!r})")
+    room = "lipsync_lang.plugins.timings"
+    assert f"{room}.aeneas" in loaded
+    assert not {f"{room}.audacity", f"{room}.elan"} & loaded
+
+
 def test_a_build_of_texts_loads_nothing_that_hears(tmp_path):
     settings = "language: english\ncharacter: facefx\nlines: script.csv\noutputs: ['{id}.csv']\n"
     (tmp_path / "lipsync.yaml").write_text(f"kind: project\nformat: 1\n{settings}")
