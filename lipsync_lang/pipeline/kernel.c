@@ -24,6 +24,7 @@ before any is used. There is no static state; the GIL is released while the stag
 #define WIDE_VECTORS
 #elif __GNUC__ >= 12
 #define WIDE_VECTORS __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#define SHUFFLES __builtin_cpu_supports("x86-64-v4") /* without AVX-512 these are slower than plain loops */
 #else
 #define WIDE_VECTORS __attribute__((target_clones("avx512f", "avx2", "default")))
 #endif
@@ -51,9 +52,10 @@ typedef unsigned char Byte;
 #define MARGIN 0.030        /* hold.py */
 #define SHORTEST 0.042      /* hold.py */
 #define TAPS 3              /* of a kernel, on each side, that are summed together */
-#define LANES 8             /* poses read at once */
+#define LANES 8             /* poses or frames read at once */
 #define AT_ONCE 8           /* frames ahead of one that it is compared with at once */
 #define CHAINS 10           /* rows whose running minima are computed at once */
+#define LINE 64             /* bytes of a line of the processor's cache */
 #define LATEST 1e9          /* seconds; beyond it frames have no place */
 #define MAX_VIEWS 20
 
@@ -61,6 +63,45 @@ INLINE double least(double a, double b) { return a < b ? a : b; }
 INLINE double most(double a, double b) { return a > b ? a : b; }
 INLINE Size least_size(Size a, Size b) { return a < b ? a : b; }
 INLINE Size most_size(Size a, Size b) { return a > b ? a : b; }
+
+#if defined(SHUFFLES)
+/* Turn LANES rows into columns: each turn lays the second half of the rows between those of the first. */
+INLINE void shuffle(const double *from, Size step, double *RESTRICT to, Size to_step)
+{
+    typedef double Row __attribute__((vector_size(LANES * sizeof(double))));
+    Row row[LANES], next[LANES];
+    for (Size i = 0; i < LANES; i++)
+        memcpy(&row[i], from + i * step, sizeof(Row));
+    for (int turn = 0; turn < 3; turn++) {
+        for (int i = 0; i < LANES / 2; i++) {
+            next[2 * i] = __builtin_shufflevector(row[i], row[i + LANES / 2], 0, 8, 1, 9, 2, 10, 3, 11);
+            next[2 * i + 1] = __builtin_shufflevector(row[i], row[i + LANES / 2], 4, 12, 5, 13, 6, 14, 7, 15);
+        }
+        memcpy(row, next, sizeof row);
+    }
+    for (Size i = 0; i < LANES; i++)
+        memcpy(to + i * to_step, &row[i], sizeof(Row));
+}
+#else
+#define SHUFFLES 0
+#define shuffle(from, step, to, to_step) ((void)0)
+#endif
+
+/* Turn rows into columns: LANES rows at once, and the last ones alone. */
+INLINE void transpose(const double *from, Size step, Size rows, Size columns, double *RESTRICT to, Size to_step)
+{
+    const Size whole = rows / LANES * LANES, shuffled = SHUFFLES ? columns / LANES * LANES : 0;
+    for (Size i = 0; i < whole; i += LANES) {
+        for (Size j = 0; j < shuffled; j += LANES)
+            shuffle(from + i * step + j, step, to + j * to_step + i, to_step);
+        for (Size j = shuffled; j < columns; j++)
+            for (Size k = i; k < i + LANES; k++)
+                to[j * to_step + k] = from[k * step + j];
+    }
+    for (Size i = whole; i < rows; i++)
+        for (Size j = 0; j < columns; j++)
+            to[j * to_step + i] = from[i * step + j];
+}
 
 /* ---------------------------------------------------------------- what is prepared once */
 
@@ -224,6 +265,15 @@ INLINE double seconds(const Plan *plan, const Frames *frames, Size frame)
     return frames->start + (double)(frames->first + frame) / plan->number[FPS];
 }
 
+/* `Frames.times` of some frames */
+WIDE_VECTORS
+static void fill_times(const Plan *plan, const Frames *frames, Size low, Size width, double *RESTRICT time)
+{
+    const double start = frames->start, first = (double)(frames->first + low), fps = plan->number[FPS];
+    for (Size t = 0; t < width; t++)
+        time[t] = start + (first + (double)t) / fps;
+}
+
 /* ---------------------------------------------------------------- warp.py */
 
 /* `warp`: rows of a bigram's curves until a position in it */
@@ -271,11 +321,9 @@ INLINE void locate(const Plan *plan, const Track *track, const Frames *frames, S
 {
     const double *bounds = track->bounds, *lengths = track->moving, *reach = track->reach, *boundary = s->boundary;
     const Size last = track->count - 1, *bigram = s->bigram;
-    const double start = frames->start, first = (double)(frames->first + low), fps = plan->number[FPS];
-    double *RESTRICT time = s->time;
+    const double *RESTRICT time = s->time;
     Size *RESTRICT phoneme = s->phoneme;
-    for (int t = 0; t < (int)width; t++)
-        time[t] = start + (first + t) / fps;
+    fill_times(plan, frames, low, width, s->time);
     Size at = phoneme_at(track, time[0] + TOUCH);
     s->begin[at] = 0;
     for (Size t = 0; t < width; t++) {
@@ -344,12 +392,7 @@ INLINE void stitch(const Bank *bank, const Plan *plan, const Track *track, const
     }
     if (track->count == 1) /* nothing but silence */
         memset(s->joined, 0, (size_t)(width * poses) * sizeof(double));
-    for (Size p = 0; p < poses; p++) {
-        const double *RESTRICT from = s->joined + p;
-        double *RESTRICT row = s->curves + p * s->stride;
-        for (Size t = 0; t < width; t++)
-            row[t] = from[t * poses];
-    }
+    transpose(s->joined, poses, width, poses, s->curves, s->stride);
 }
 
 /* ---------------------------------------------------------------- levels.py */
@@ -727,15 +770,7 @@ static void run_block(const Bank *bank, const Plan *plan, const Track *track, co
     soften(plan, plan->shared, plan->size[SHARED], width, s);
     if (plan->flag[AGAIN])
         constrain(plan, width, s);
-    const double *RESTRICT made = s->curves + begin - low;
-    Size p = 0;
-    for (; p + LANES <= poses; p += LANES, made += LANES * s->stride)
-        for (Size t = 0; t < stop - begin; t++)
-            for (Size i = 0; i < LANES; i++)
-                out[t * poses + p + i] = made[i * s->stride + t];
-    for (; p < poses; p++, made += s->stride)
-        for (Size t = 0; t < stop - begin; t++)
-            out[t * poses + p] = made[t];
+    transpose(s->curves + begin - low, s->stride, poses, stop - begin, out, poses);
 }
 
 /* `Performance.last` on a span of frames; returns -1 where there is no memory */
@@ -743,14 +778,16 @@ static int run_all(const Bank *bank, const Plan *plan, const Track *track, const
                    const Frames *frames, const Size *span, double *out)
 {
     const Size poses = plan->size[POSES], block = plan->size[BLOCK], early = plan->size[EARLY];
-    const Size stride = least_size(span[1] - span[0], block + 2 * plan->size[HALO]) + 8;
+    const Size longest = least_size(span[1] - span[0], block + 2 * plan->size[HALO]) + AT_ONCE;
+    const Size stride = (longest / 16 * 2 + 3) * 8; /* an odd number of cache lines, so that rows do not compete */
     const Size reach = most_size(plan->size[WIDE], plan->size[SHARED]);
     const Size n = track->count;
     const size_t doubles = (size_t)stride * (size_t)(2 * poses + early + 6) + 2 * (size_t)reach + (size_t)n + 1;
     const size_t sizes = 3 * (size_t)stride + 2 * (size_t)n + 1, contacts = (size_t)(plan->size[CONTACTS] * n + 1);
-    double *memory = malloc(doubles * sizeof(double) + sizes * sizeof(Size) + contacts * sizeof(Held));
-    if (!memory)
+    void *room = malloc(doubles * sizeof(double) + sizes * sizeof(Size) + contacts * sizeof(Held) + LINE);
+    if (!room)
         return -1;
+    double *memory = (double *)((char *)room + LINE - (size_t)room % LINE);
     Scratch s = {.curves = memory, .stride = stride};
     s.joined = s.curves + poses * stride;
     s.fresh = s.joined + poses * stride;
@@ -773,7 +810,7 @@ static int run_all(const Bank *bank, const Plan *plan, const Track *track, const
         double *here = out + (begin - span[0]) * poses;
         run_block(bank, plan, track, dials, dial_count, frames, span, begin, stop, &s, here);
     }
-    free(memory);
+    free(room);
     return 0;
 }
 
@@ -1064,9 +1101,7 @@ static PyObject *frame_times(const Plan *plan, const Frames *frames)
     PyObject *times = new_array(plan->empty, &out, frames->count, 0);
     if (!times)
         return NULL;
-    double *at = out.buf;
-    for (Size t = 0; t < frames->count; t++)
-        at[t] = seconds(plan, frames, t);
+    fill_times(plan, frames, 0, frames->count, out.buf);
     PyBuffer_Release(&out);
     return times;
 }
