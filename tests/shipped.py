@@ -71,7 +71,7 @@ def _load_pairs_once(patch):
 
     def unsealed_once(mark, path):
         content = path.read_bytes() if path else b""
-        name = content[: len(mark) + pair_cache.DIGEST]
+        name = content[: len(mark) + pair_cache.CHECKSUM]
         if name in kept and kept[name][0] == content:
             return memoryview(kept[name][0])[len(name) :]
         rest = unsealed(mark, path)

@@ -1,6 +1,6 @@
 """Compiled pairs on disk, so that a warm start reads no YAML.
 
-A cache file is used only if it passes three checks. It is whole: its digest fits its bytes. It is
+A cache file is used only if it passes three checks. It is whole: its checksum fits its bytes. It is
 ours: its mark, its pair and the digest of the compiling code fit. It is fresh: all lookups made
 while compiling find the same files, with the same content. Any other file is compiled again.
 Loading executes nothing from a file.
@@ -12,12 +12,13 @@ import os
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import asdict
-from functools import cache
-from hashlib import blake2b, sha256
+from functools import cache, reduce
+from hashlib import sha256
 from itertools import accumulate
 from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from zlib import crc32
 
 from lipsync_lang.base.version import __version__
 from lipsync_lang.packs.finding import FOLDERS, Finder, Paths, located
@@ -33,8 +34,8 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 MARK = b"lipsync-lang compiled pair, v1.\n"
-DIGEST = 32
-"""Size of the digest in bytes; with the signature a multiple of 64, so that arrays are aligned."""
+CHECKSUM = 32
+"""Size of the checksum in bytes; with the mark a multiple of 64, so that arrays are aligned."""
 
 ALIGNMENT = 64
 """Alignment of arrays in the file, in bytes."""
@@ -177,19 +178,20 @@ def delete_oldest(where: Path, pattern: str, most: int) -> None:
 
 
 def sealed(mark: bytes, parts: Iterable[bytes | memoryview]) -> list[bytes | memoryview]:
-    """Return the parts of a cache file with a mark, and with a digest of the parts, before them."""
-    whole, body = blake2b(digest_size=DIGEST), [*parts]
-    for part in body:
-        whole.update(part)
-    return [mark, whole.digest(), *body]
+    """Return the parts of a cache file with a mark, and with a checksum of them, before them.
+
+    It finds damage, as fast as a start needs; whoever can write the folder is trusted anyway.
+    """
+    body = [*parts]
+    whole = reduce(lambda found, part: crc32(part, found), body, 0)
+    return [mark, whole.to_bytes(CHECKSUM, "little"), *body]
 
 
 def unsealed(mark: bytes, path: Path | None) -> memoryview:
-    """Return the content of a cache file after its mark and digest; an error if they do not fit."""
-    content, start = path.read_bytes() if path else b"", len(mark) + DIGEST
-    rest = memoryview(content)[start:]
-    digest = blake2b(rest, digest_size=DIGEST).digest()
-    if content[:start] != mark + digest:
+    """Return the content of a cache file after its mark and checksum; an error for another."""
+    content = path.read_bytes() if path else b""
+    rest = memoryview(content)[len(mark) + CHECKSUM :]
+    if content[: -len(rest)] != b"".join(sealed(mark, [rest])[:2]):
         raise ValueError("the file is damaged, or of another program")
     return rest
 

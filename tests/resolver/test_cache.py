@@ -8,7 +8,6 @@ import shutil
 import subprocess
 import sys
 from dataclasses import fields
-from hashlib import blake2b
 from pathlib import Path
 
 import numpy as np
@@ -398,8 +397,8 @@ def test_what_is_damaged_is_not_believed(store):
 
 
 def forged(whole, change):
-    """Return a cache file with a changed header and a correct digest."""
-    rest = whole[len(cache.MARK) + cache.DIGEST :]
+    """Return a cache file with a changed header and a correct checksum."""
+    rest = whole[len(cache.MARK) + cache.CHECKSUM :]
     size = int.from_bytes(rest[:8], "little")
     head = json.loads(rest[8 : 8 + size])
     body = rest[8 + size + (-(8 + size) % 64) :]
@@ -407,7 +406,7 @@ def forged(whole, change):
     text = json.dumps(head).encode()
     made = len(text).to_bytes(8, "little") + text
     made += b"\0" * (-len(made) % 64) + body
-    return cache.MARK + blake2b(made, digest_size=cache.DIGEST).digest() + made
+    return b"".join(cache.sealed(cache.MARK, [made]))
 
 
 FORGED = {
