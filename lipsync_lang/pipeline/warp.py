@@ -5,7 +5,7 @@ The paper stretches a bigram evenly; by default, its own phoneme boundary is pin
 one here. The paper stitches by ``max`` only (figure 7); ``crossfade`` is an addition.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,8 +17,7 @@ TOUCH = 1e-7
 """Seconds within which a frame lies on a boundary: rounding must not choose its phoneme."""
 
 
-@dataclass(frozen=True, eq=False)
-class FramePlace:
+class FramePlace(NamedTuple):
     """Each frame's phoneme and the passed share of that phoneme."""
 
     phoneme: Ints

@@ -12,9 +12,9 @@ A format that differs from others by path and names alone is a `RecordFormat`: a
 import json
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice
-from typing import Any
+from typing import Any, NamedTuple
 from unicodedata import category
 
 from lipsync_lang.base.errors import ScheduleError, shortlist
@@ -44,8 +44,7 @@ STRESS_MARKS = "ˈˌ"
 """Marks before the sound that they belong to; all others follow it."""
 
 
-@dataclass(frozen=True)
-class RecordList:
+class RecordList(NamedTuple):
     """A list of records, and the names of their fields."""
 
     text: str
@@ -72,8 +71,7 @@ class RecordList:
         return [one for one in (self.start, self.end or self.duration) if one is not None]
 
 
-@dataclass(frozen=True)
-class RecordFormat:
+class RecordFormat(NamedTuple):
     """A format of timings in JSON, stated as data."""
 
     name: str

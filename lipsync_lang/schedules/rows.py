@@ -13,7 +13,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from math import log
 from operator import attrgetter, itemgetter
-from statistics import median
 from typing import NamedTuple
 
 import numpy as np
@@ -165,6 +164,8 @@ def guessed_rate(
     plausible median. Frames are whole: times with fractions are seconds, or milliseconds if no
     schedule has so many seconds.
     """
+    from statistics import median
+
     lengths = [row.end - row.start for row in rows if row.label and row.end > row.start]
     middle = median(lengths) if lengths else 0.0
     rates: tuple[float, ...] = LIKELY_RATES

@@ -7,8 +7,8 @@ with it.
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from statistics import median
+from dataclasses import replace
+from typing import NamedTuple
 
 from lipsync_lang.base.errors import OutputError, did_you_mean, shortlist
 from lipsync_lang.base.files.quoting import xml_text
@@ -55,8 +55,7 @@ LabelSpan = tuple[str, float, float]
 """Label, start and end in seconds."""
 
 
-@dataclass(frozen=True)
-class Tier:
+class Tier(NamedTuple):
     """A tier: name, rows, and the line of its name in the file."""
 
     name: str
@@ -80,6 +79,8 @@ class Tier:
 
     def looks_like_phones(self) -> bool:
         """Return True if the labels are short, varied and brief."""
+        from statistics import median
+
         labels = [row.label for row in self.spoken]
         short = [label for label in labels if len(label) <= 4]  # noqa: PLR2004 letters and marks
         return (

@@ -9,7 +9,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from operator import attrgetter
-from statistics import median
 from unicodedata import category
 
 from lipsync_lang.schedules.rows import (
@@ -81,6 +80,8 @@ class TimedWords:
 
 def are_words(labels: Iterable[str]) -> bool:
     """Return True if labels are too long for phones, or in a script that has words alone."""
+    from statistics import median
+
     counts = [found for found in map(_letters, labels) if found is not None]
     return bool(counts) and median(counts) > MAX_PHONE_LETTERS
 

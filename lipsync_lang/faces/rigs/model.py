@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import isfinite
 from pathlib import Path
-from typing import NoReturn, TypeGuard
+from typing import NamedTuple, NoReturn, TypeGuard
 
 from lipsync_lang.base.errors import shortlist
 from lipsync_lang.base.json_object import Json
@@ -30,8 +30,7 @@ SETTLED_SECONDS = 2.0
 MAX_NAMED_SHAPES = 12
 
 
-@dataclass(frozen=True)
-class Mesh:
+class Mesh(NamedTuple):
     """A mesh with n morph targets, their names and their weights at rest.
 
     `number` is its index in the document. The name is unique, unlike the one `given` in the file.

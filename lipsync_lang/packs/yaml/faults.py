@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from lipsync_lang.base.errors import PackError
 from lipsync_lang.packs.yaml.events import load_yaml
@@ -12,8 +12,7 @@ from lipsync_lang.packs.yaml.events import load_yaml
 Severity = Literal["fault", "warning"]
 
 
-@dataclass(frozen=True)
-class FaultCode:
+class FaultCode(NamedTuple):
     """A kind of fault in packs, as the reference describes it."""
 
     meaning: str

@@ -13,7 +13,6 @@ import re
 from collections.abc import Iterator
 from itertools import pairwise
 from math import inf
-from statistics import median
 
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader
@@ -58,6 +57,8 @@ def read_azure(source: TimingFile) -> Schedule:
         elif isinstance(event.get("text"), dict) and event["text"].get("BoundaryType") == "Word":
             length = source.number(event.get("duration"), line)
             words.append(LabelRow(str(event["text"].get("Text")), at, at + length, line))
+    from statistics import median
+
     offsets = sorted(at for _, at, _ in starts)
     steps = [after - before for before, after in pairwise(offsets) if after > before]
     usual = median(steps) if steps else inf

@@ -20,8 +20,7 @@ from lipsync_lang.schedules import LabelRow, TimingFile, Timings, reader
 from lipsync_lang.schedules.tiers import Tier, read_tiers
 
 # possessive throughout: a long line without a quote must not be tried in every division
-TEXTGRID_TOKEN = re.compile(
-    r"""
+TEXTGRID_FORM = r"""
     [\s=]*+ (?: [^\s="<!+\-\d][^\s=]*+ [\s=]++ )*+    # words for people
     (?: "(?P<text> [^"]*+ (?:""[^"]*+)*+ )" (?!\S)
       | (?P<number> [+-]?\d[\d.eE+-]*+ ) (?!\S)
@@ -29,9 +28,7 @@ TEXTGRID_TOKEN = re.compile(
       | (?P<quote> " )
       | !.* | [^\s=]++
     )
-    """,
-    re.VERBOSE,
-)
+    """
 
 HOLDS = {"IntervalTier": "interval", "TextTier": "point"}
 """Classes of tiers, with the word for their items."""
@@ -90,7 +87,8 @@ class _Tokens:
 
     def __init__(self, source: TimingFile) -> None:
         self.source = source
-        self.left = (one for one in TEXTGRID_TOKEN.finditer(source.text) if one.lastgroup)
+        found = re.finditer(TEXTGRID_FORM, source.text, re.VERBOSE)
+        self.left = (one for one in found if one.lastgroup)
         # To count line ends for each token would take the square of the time.
         self.ends = [one.start() for one in re.finditer(r"\n", source.text)]
         self.at = 0
