@@ -405,9 +405,10 @@ def test_a_text_that_is_too_long_for_its_sound_is_told(english, count):
         )
 
 
-def heard(fit):
-    """Phonemes that fit a sound of 30 s well or badly."""
-    return [HeardPhoneme(0, 1, first, first + 100, fit) for first in range(0, 3000, 100)]
+def heard(fit, *lost):
+    """Phonemes that fit a sound of 30 s well or badly, and words left out at some frames."""
+    said = [HeardPhoneme(0, 1, first, first + 100, fit) for first in range(0, 3000, 100)]
+    return said + [HeardPhoneme(1, OUTSIDE, first, first + 3, fit) for first in lost]
 
 
 @pytest.mark.parametrize(
@@ -418,6 +419,11 @@ def heard(fit):
         (heard(-9), None, 3000, heard(-9)),
         (heard(-9), heard(-1), 1600, heard(-9)),
         (heard(-1), heard(-0.5), 3000, heard(-1)),
+        # the first window stayed behind the voice, and the second has no time for its words
+        (heard(-1, *range(5)), heard(-0.5), 3000, heard(-0.5)),
+        (heard(-1, *range(5)), heard(-2), 3000, heard(-1, *range(5))),
+        (heard(-1, *range(4)), heard(-0.5), 3000, heard(-1, *range(4))),
+        (heard(-1, *range(0, 2500, 500)), heard(-0.5), 3000, heard(-1, *range(0, 2500, 500))),
     ],
 )
 def test_a_text_lost_in_short_windows_is_sought_in_anchored_ones(

@@ -27,6 +27,7 @@ from lipsync_lang.sound.speech.hearing.sphinx.features import (
     voice_span,
 )
 from lipsync_lang.sound.speech.hearing.sphinx.forced import (
+    MANY_WORDS,
     SOUND_START,
     WINDOW_FRAMES,
     Graph,
@@ -481,7 +482,10 @@ def laid(
     """Align words in short windows, and again in anchored ones if these lose the text."""
     heard = lay(models.model, features, words)
     sure = line_confidence(heard) if heard else 0.0
-    if sure >= DOUBTFUL or len(features) <= WINDOW_FRAMES:
+    lost = np.array([one.first for one in heard or () if one.phone == OUTSIDE != one.word])
+    # where a short window stayed behind the voice, the next one has no time for the words between
+    behind = (lost[MANY_WORDS - 1 :] - lost[: 1 - MANY_WORDS] < WINDOW_FRAMES).any()
+    if len(features) <= WINDOW_FRAMES or (sure >= DOUBTFUL and not behind):
         return heard
     again = lay(models.model, features, words, anchored=True)
     return again if again and line_confidence(again) > sure else heard
