@@ -6,7 +6,7 @@ from importlib import import_module
 from io import BytesIO
 from pathlib import Path
 from textwrap import shorten
-from typing import TYPE_CHECKING, Any, Literal, Protocol, Self, get_args
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, Self, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -324,8 +324,7 @@ MOST_CURVES = 60
 """Maximum number of curves; those with the most movement are drawn."""
 
 
-@dataclass(frozen=True)
-class PageFrame:
+class PageFrame(NamedTuple):
     """A page in a frame of a notebook, `height` pixels high; it cannot reach the notebook."""
 
     page: str

@@ -4,19 +4,21 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.fixed import shape_columns, shapes_from_zero
-from lipsync_lang.animations.keys import KeyedCurve
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.grouping import grouped
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.faces.rigs.expressions import stating
 from lipsync_lang.faces.rigs.model import Mesh, Model, is_index, known_model
 from lipsync_lang.faces.rigs.shape_matching import on_mesh
+
+if TYPE_CHECKING:
+    from lipsync_lang.animations.keys import KeyedCurve
 
 
 class MovingShape(NamedTuple):
@@ -48,7 +50,7 @@ def shapes(animation: Animation) -> list[MovingShape]:
     return found
 
 
-def keys(animation: Animation, found: list[MovingShape], suits: float) -> list[KeyedCurve]:
+def keys(animation: Animation, found: list[MovingShape], suits: float) -> "list[KeyedCurve]":
     """Return the keyframes of each shape; see `Animation.keyframes`."""
     names = tuple(str(number) for number in range(len(found)))  # meshes may share a name
     floors = {number: shape.floor for number, shape in zip(names, found, strict=True)}

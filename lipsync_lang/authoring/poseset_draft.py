@@ -25,7 +25,7 @@ from lipsync_lang.authoring.new_pack import (
 )
 from lipsync_lang.base.errors import LipsyncError, PackError
 from lipsync_lang.base.grouping import grouped
-from lipsync_lang.faces.rigs.driver import bare
+from lipsync_lang.faces.rigs.channel import bare
 from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.faces.rigs.shape_matching import placed
 from lipsync_lang.packs import models

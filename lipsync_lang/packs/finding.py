@@ -355,6 +355,18 @@ def is_model(character: str | Path) -> bool:
     return str(character).lower().endswith(MODEL_SUFFIXES)
 
 
+def model_state(path: Path) -> list[int] | None:
+    """Return the size and times of a model by which a change is noticed; None without the file.
+
+    Models are large, so their bytes are not read for this.
+    """
+    try:
+        there = path.stat()
+    except (OSError, ValueError):
+        return None
+    return [there.st_size, there.st_mtime_ns, there.st_ctime_ns]
+
+
 def beside(pack: Path, name: str, unsaved: Mapping[Path, bytes] = NONE_UNSAVED) -> Path | None:
     """Return the path of a file named by a pack, or None if it is missing.
 

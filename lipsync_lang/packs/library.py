@@ -26,6 +26,7 @@ from lipsync_lang.packs.finding import (
     Paths,
     beside,
     is_model,
+    model_state,
     pack_name,
 )
 from lipsync_lang.packs.pack import Pack
@@ -37,18 +38,6 @@ if TYPE_CHECKING:
 
 
 _log = logging.getLogger(__name__)
-
-
-def model_state(path: Path) -> list[int] | None:
-    """Return the size and times of a model by which a change is noticed; None without the file.
-
-    Models are large, so their bytes are not read for this.
-    """
-    try:
-        there = path.stat()
-    except (OSError, ValueError):
-        return None
-    return [there.st_size, there.st_mtime_ns, there.st_ctime_ns]
 
 
 FileRequest = tuple[Path, str | None, str | None]

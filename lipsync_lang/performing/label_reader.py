@@ -28,7 +28,6 @@ from lipsync_lang.performing.effort import (
 from lipsync_lang.performing.label_sounds import UNMARKED, LabelSounds, LabelTable, sounds_of
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.text.phonology.g2p.tokens import plain
-from lipsync_lang.text.phonology.ipa import is_one_sound
 from lipsync_lang.text.phonology.labels import (
     MAX_TONE_SIGNS,
     TONE,
@@ -39,11 +38,11 @@ from lipsync_lang.text.phonology.labels import (
     recognise,
     toneless,
 )
-from lipsync_lang.text.phonology.nearest import Nearest, NearestPhonemes
 
 if TYPE_CHECKING:
     from lipsync_lang.resolver.compiled import CompiledPair
     from lipsync_lang.text.phonology.g2p.g2p_engines import Correction
+    from lipsync_lang.text.phonology.nearest import Nearest, NearestPhonemes
 
 _CAPITAL = re.compile("[A-Z]")
 """Letters that are absent from the IPA, but present in most other notations."""
@@ -152,7 +151,7 @@ class LabelReader:
             table = self._tables.setdefault(id(notation), LabelTable(notation, self.numbers))
         return table
 
-    def automatic(self, schedule: Schedule) -> dict[str, Nearest]:
+    def automatic(self, schedule: Schedule) -> "dict[str, Nearest]":
         """Return the labels mapped only by phonetic features, without duplicates.
 
         Each value holds the common phonemes with their shares, the features that are not shown, and
@@ -183,6 +182,8 @@ class LabelReader:
             return None  # signs alone, such as ??, or another notation
         if sum(sign in TONE for sign in label) > MAX_TONE_SIGNS:
             return None  # a number
+        from lipsync_lang.text.phonology.ipa import is_one_sound
+
         return near.value(text) if is_one_sound(near.read(text).sounds) else None
 
     def by_features(self, schedule: Schedule) -> dict[str, Value]:
@@ -307,13 +308,16 @@ class LabelReader:
         return ready(tables, silences, silence, IPA, spelling, near, digits)
 
     @cached_property
-    def near(self) -> NearestPhonemes | None:
+    def near(self) -> "NearestPhonemes | None":
         """Nearest phonemes by features; None for a language with a complete mapping."""
-        data = self.compiled.nearest
-        return None if data is None else NearestPhonemes.from_plain(data)
+        if self.compiled.nearest is None:
+            return None
+        from lipsync_lang.text.phonology.nearest import NearestPhonemes
+
+        return NearestPhonemes.from_plain(self.compiled.nearest)
 
     @cached_property
-    def _features(self) -> NearestPhonemes | None:
+    def _features(self) -> "NearestPhonemes | None":
         """Nearest phonemes for labels that no notation lists; loaded only for such labels."""
         from lipsync_lang.resolver.nearest_phonemes import among_shared
 

@@ -384,10 +384,11 @@ class Performer(PlayedPair):
     @cached_property
     def driver(self) -> "Driver | None":
         """Driver of the character's model; None without a rig."""
+        if self.compiled.rig is None:
+            return None
         from lipsync_lang.faces.rigs.driver import Driver
 
-        data, floors = self.compiled.rig, self.compiled.tables.floors
-        return None if data is None else Driver.from_plain(data, self.poses, floors)
+        return Driver.from_plain(self.compiled.rig, self.poses, self.compiled.tables.floors)
 
 
 @dataclass(frozen=True)

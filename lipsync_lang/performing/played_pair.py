@@ -11,6 +11,7 @@ import numpy as np
 from lipsync_lang.animations.rates import checked_rate
 from lipsync_lang.base.arrays import Bools, Floats
 from lipsync_lang.base.errors import LipsyncError, refuse_other
+from lipsync_lang.faces.rigs.channel import Channel, bare
 from lipsync_lang.performing.delivery import DialLevels, Points, bends_of, delivery, overlays
 from lipsync_lang.performing.effort import emphasis_dial, loudness_dial, stress_dial
 from lipsync_lang.performing.label_reader import LabelReader, Unknown
@@ -24,7 +25,6 @@ from lipsync_lang.resolver.compiled import CompiledPair
 from lipsync_lang.text.lines.cleaning import AS_WRITTEN, Cleaning
 
 if TYPE_CHECKING:
-    from lipsync_lang.faces.rigs.channel import Channel
     from lipsync_lang.performing.label_sounds import LabelSounds
     from lipsync_lang.pipeline.bend import Bend
     from lipsync_lang.pipeline.gestures.laying import GestureSet
@@ -67,9 +67,9 @@ class LineDelivery(NamedTuple):
     ) -> Self:
         """Find the delivery of a schedule; `asked` holds the options of `perform`."""
         compiled = pair.compiled
-        bare = not (schedule.words or schedule.likely or sounds.marks.size or compiled.word_edits)
+        plain = not (schedule.words or schedule.likely or sounds.marks.size or compiled.word_edits)
         stated = line, schedule.audio, *asked.values()
-        if bare and stated.count(None) == len(stated) and not any(compiled.delivery.values()):
+        if plain and stated.count(None) == len(stated) and not any(compiled.delivery.values()):
             return cls(compiled.tables, (), (), (), (), ())
         blends, dials = delivery(compiled, schedule, line, asked["styles"], asked["dials"])
         intensity = asked["intensity"]
@@ -162,18 +162,14 @@ class PlayedPair:
         return Path(self.compiled.model) if self.compiled.model is not None else None
 
     @cached_property
-    def channels(self) -> "tuple[Channel, ...]":
+    def channels(self) -> tuple[Channel, ...]:
         """Channel of each pose on a model; `rigged` provides the channels of a rig."""
-        from lipsync_lang.faces.rigs.driver import bare
-
         return bare(self.poses, self.compiled.pose_names)
 
-    def shown_channels(self, tables: "Tables") -> "tuple[Channel, ...]":
+    def shown_channels(self, tables: "Tables") -> tuple[Channel, ...]:
         """Channels of the poses of speech, and of postures if the tables have them."""
         if len(tables.priority) == len(self.poses):
             return self.channels
-        from lipsync_lang.faces.rigs.driver import bare
-
         names = self.compiled.posture["names"]
         return (*self.channels, *bare(tuple(names), names))
 
@@ -185,10 +181,8 @@ class PlayedPair:
         return GestureSet.from_plain(self.compiled.gestures)
 
     @cached_property
-    def gesture_channels(self) -> "tuple[Channel, ...]":
+    def gesture_channels(self) -> tuple[Channel, ...]:
         """Channel of each pose of gestures."""
-        from lipsync_lang.faces.rigs.channel import Channel
-
         return tuple(Channel(**fields, gesture=True) for fields in self.gesture_set.channels)
 
     def performance(  # noqa: PLR0913 as `perform`

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import refuse_other
 from lipsync_lang.packs.finding import Paths, is_model, located
-from lipsync_lang.packs.library import Library
 from lipsync_lang.performing.label_reader import Unknown
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.played_pair import Gaps
@@ -65,6 +64,7 @@ def resolve(  # noqa: PLR0913 two names, and options by keyword
     refuse_other("gaps", gaps, Gaps)
     refuse_other("unknown", unknown, Unknown)
     if is_model(character):
+        from lipsync_lang.packs.library import Library
         from lipsync_lang.resolver.rigging import OtherModel, best_match, on_model
 
         model = Path(character)
@@ -95,6 +95,7 @@ def _pair(  # noqa: PLR0913 the names, and what a model adds
     key = " + ".join((character, *has, *(map(str, on) if on else ())))
     compiled = store.load(language, key, folders) if cache else None
     if compiled is None:
+        from lipsync_lang.packs.library import Library
         from lipsync_lang.resolver.compile import compile_pair
 
         library = Library(folders)

@@ -21,14 +21,14 @@ from typing import TYPE_CHECKING, Any
 from zlib import crc32
 
 from lipsync_lang.base.version import __version__
-from lipsync_lang.packs.finding import FOLDERS, Finder, Paths, located
-from lipsync_lang.packs.library import Library, model_state
+from lipsync_lang.packs.finding import FOLDERS, Finder, Paths, located, model_state
 from lipsync_lang.packs.project import stated_mouth
 from lipsync_lang.packs.yaml.source import read_bytes
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.resolver.compiled import CompiledPair, Origin, Report
 
 if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Library
     from lipsync_lang.pipeline.tables import Tables
 
 _log = logging.getLogger(__name__)
@@ -122,11 +122,8 @@ def load(language: str, character: str, paths: Sequence[Path]) -> CompiledPair |
 
 
 def load_report(language: str, character: str, paths: Paths) -> Report | None:
-    """Return the report of a compiled pair from the cache, without its arrays; None as `load`.
-
-    A name that is not found has none either.
-    """
-    with suppress(Exception):  # as in `load`
+    """Return the report of a pair from the cache, or None as `load`, without its arrays."""
+    with suppress(Exception):  # also for a name that is not found
         names, folders = located(paths, language=language, character=character)
         return Report(**_tuples(_read(names, folders)[0]["report"]))
     return None
@@ -145,7 +142,7 @@ def _read(names: Sequence[str], paths: Sequence[Path]) -> tuple[dict[str, Any], 
     return head, rest[stop + (-stop % ALIGNMENT) :]
 
 
-def save(compiled: CompiledPair, language: str, character: str, library: Library) -> None:
+def save(compiled: CompiledPair, language: str, character: str, library: "Library") -> None:
     """Write a compiled pair to the cache; a cache that cannot be written is not an error."""
     from lipsync_lang.base.errors import OutputError
     from lipsync_lang.base.files import atomic
@@ -196,7 +193,7 @@ def unsealed(mark: bytes, path: Path | None) -> memoryview:
     return rest
 
 
-def _encode(compiled: CompiledPair, key: str, library: Library) -> list[bytes | memoryview]:
+def _encode(compiled: CompiledPair, key: str, library: "Library") -> list[bytes | memoryview]:
     """Return the parts of a cache file in order, without a copy of the arrays."""
     body: list[bytes | memoryview] = []
     places, size = {}, 0

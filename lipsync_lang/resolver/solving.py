@@ -19,6 +19,7 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.base.errors import ModelError
+from lipsync_lang.faces.rigs.channel import bare
 from lipsync_lang.packs import models
 from lipsync_lang.packs.models import PhonemeTarget
 from lipsync_lang.packs.models.rig_models import pose_names
@@ -131,7 +132,7 @@ def pose_gains(
     Limits of a rig's channels are left out. None for a model that moves bones, that is too large to
     be measured, or on which no shape opens a mouth.
     """
-    from lipsync_lang.faces.rigs.driver import Driver, bare
+    from lipsync_lang.faces.rigs.driver import Driver
     from lipsync_lang.faces.rigs.recognise import mouth_gains
 
     poses = (*poseset.poses,)

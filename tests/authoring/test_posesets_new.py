@@ -12,7 +12,7 @@ from small_models import glb
 
 from lipsync_lang.authoring.poseset_draft import MAX_SCREEN_LINES, PoseSetWish, draft, guessed
 from lipsync_lang.base.errors import LipsyncError, PackError
-from lipsync_lang.faces.rigs.driver import bare
+from lipsync_lang.faces.rigs.channel import bare
 from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.faces.rigs.shape_matching import placed
 from lipsync_lang.packs.checking.validate import validate

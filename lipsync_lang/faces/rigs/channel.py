@@ -1,5 +1,6 @@
 """A channel: a shape or bone of a model, driven by one column of an animation."""
 
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 Vector = tuple[float, float, float]
@@ -23,3 +24,8 @@ class Channel(NamedTuple):
     """Axis of a turn of the head, in axes of the face: x to its left, y up, z to the front."""
     gesture: bool = False
     """True for what gestures move, not speech."""
+
+
+def bare(poses: Sequence[str], names: Mapping[str, Sequence[str]]) -> tuple[Channel, ...]:
+    """Build channels for a face without a rig: its poses, under the names in models."""
+    return tuple(Channel(pose, tuple(names.get(pose, ()))) for pose in poses)

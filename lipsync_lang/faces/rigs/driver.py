@@ -52,8 +52,3 @@ class Driver:
     def driven(self, weights: Floats, motion: Motion, fps: float) -> Floats:
         """Return the channels (T, C) for poses (T, P), within the speed limit of a motion."""
         return drive(weights, self.rig, motion.speed_limit / fps, channel_kernel(motion, fps))
-
-
-def bare(poses: Sequence[str], names: Mapping[str, Sequence[str]]) -> tuple[Channel, ...]:
-    """Build channels for a face without a rig: its poses, under the names in models."""
-    return tuple(Channel(pose, tuple(names.get(pose, ()))) for pose in poses)

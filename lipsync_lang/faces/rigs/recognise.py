@@ -20,8 +20,8 @@ import numpy as np
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import PackError
 from lipsync_lang.base.presentation.text_table import columns
-from lipsync_lang.faces.rigs.channel import Channel
-from lipsync_lang.faces.rigs.driver import Driver, bare
+from lipsync_lang.faces.rigs.channel import Channel, bare
+from lipsync_lang.faces.rigs.driver import Driver
 from lipsync_lang.faces.rigs.model import Model, some
 from lipsync_lang.faces.rigs.read_outs import measured, still_shapes
 from lipsync_lang.faces.rigs.shape_matching import on_mesh
