@@ -34,6 +34,9 @@ SECONDS = 0.3
 
 SIDE_DEGREES = 65
 
+ROOM = 1.25
+"""Size of a picture over that of a close-up, so that lips that are pushed out stay in it."""
+
 CELL, FOOT, COLUMNS, COLOURS = 112, 18, 9, 256
 """Pixels: side of a picture, height of a caption; pictures in a row; colours of the sheet."""
 
@@ -65,6 +68,7 @@ def sheet(character: str) -> Image.Image:
         animation = performer.rigged(performer.perform(line))
         scene, swept = staged(animation), staged(sweep(animation))
         front = close_up(swept)
+        front = replace(front, distance=ROOM * front.distance)
         turn = np.radians(SIDE_DEGREES)
         yaw = [[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]]
         left, top = number % COLUMNS * CELL, number // COLUMNS * tall
