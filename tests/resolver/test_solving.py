@@ -344,3 +344,13 @@ def test_teeth_meet_in_a_sibilant():
     found = targets(poseset, gains)
     for name, most in (("s", 0.055), ("sh", 0.035)):
         assert (gains @ solver.weights(found[name][0]))[-1] < most
+
+
+@pytest.mark.parametrize("touching", ["M", "F", "TH"])
+def test_lips_that_touch_do_not_stretch_beside_a_wide_vowel(touching):
+    line = ll.Schedule(
+        ("_", "IY", touching, "IY", "_"), [0, 0.3, 0.5, 0.6, 0.8, 1.1], notation="arpabet"
+    )
+    found = ll.resolve("english", "arkit").perform(line, fps=100)
+    vowel, middle = (np.interp(at, found.times, found["mouthStretchLeft"]) for at in (0.4, 0.55))
+    assert vowel > 0.1 > 3 * middle
