@@ -309,13 +309,14 @@ def levels(
 
 def energies(samples: npt.NDArray[np.int16], cuts: Ints) -> Ints:
     """Return the exact sum of squares before each cut, in blocks, as sound may last an hour."""
-    found, total = np.zeros(cuts.shape, np.int64), 0
-    for start in range(0, len(samples), BLOCK_SAMPLES):
-        sums = np.cumsum(np.square(samples[start : start + BLOCK_SAMPLES], dtype=np.int64))
-        inside = (cuts > start) & (cuts <= start + len(sums))
-        found[inside] = total + sums[cuts[inside] - start - 1]
-        total += int(sums[-1])
-    return found
+    blocks = range(0, len(samples), BLOCK_SAMPLES)
+    edges = np.unique(np.append(cuts, blocks).astype(np.intp))
+    parts = np.zeros(len(edges) + 1, np.int64)
+    for start in blocks:
+        squares = np.square(samples[start : start + BLOCK_SAMPLES], dtype=np.int64)
+        first, stop = edges.searchsorted((start, start + len(squares)))
+        parts[first + 1 : stop + 1] = np.add.reduceat(squares, edges[first:stop] - start)
+    return parts.cumsum()[edges.searchsorted(cuts)]
 
 
 def frame_levels(
