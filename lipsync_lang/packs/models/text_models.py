@@ -183,7 +183,7 @@ class RankCase(Strict):
     """A case of ranks: where they have it, and their endings."""
 
     before: str = ""
-    """Expression for what follows the rank, such as a name in the case: `\\w+ovi(?!\\w)`."""
+    """Expression for what follows the rank: a name in its case, `\\w+ovi(?!\\w)`, or none, `$`."""
     after: str = ""
     """Expression for what precedes the rank, such as a preposition with its space."""
     endings: dict[Text, str] = Field(min_length=1)
@@ -218,9 +218,9 @@ class LanguageText(Strict):
     ranks: Annotated[
         dict[Text, Annotated[str, Field(pattern=r"^[^{}|]+$")]], Short(_each_spelling)
     ] = Field(default={})
-    """The words for ranks, such as `por.: porucznik`, before a name with a capital, another rank or
-    a mark (`por.!`), and everywhere if three letters or more hold no vowel (`sgt.`). The same
-    spelling in `abbreviations` says what is read elsewhere."""
+    """The words for ranks, such as `por.: porucznik`, before a name with a capital, another rank, a
+    mark (`por.!`) or a small letter (`por. idzie`). Those with three letters or more and no vowel
+    (`sgt.`) are read anywhere. The same spelling in `abbreviations` says what is read elsewhere."""
     rank_cases: dict[Text, RankCase] = Field(default={})
     """Cases of the ranks, in languages that inflect them before a name, by name. The first whose
     expressions fit wins."""

@@ -174,8 +174,7 @@ def _judged(phrase: str) -> str:
 def letters_of(language: Language) -> frozenset[str]:
     """Return the small letters that the texts of a pack have."""
     text = language.text
-    written = [test.text for test in language.tests]
-    written += [*language.examples.values(), *language.asides]
+    written = [one.text for one in language.tests] + [*language.examples.values(), *language.asides]
     if text:
         said = chain.from_iterable(words.values() for words in text.lists.values())
         written += [*text.abbreviations.values(), *text.ranks.values(), *filter(None, said)]

@@ -268,16 +268,22 @@ class AbbreviationKeys:
             rank, alone = alone.startswith("|"), alone.lstrip("|")
             particle = self._particle if choosy else None
             fits = _fits(found, titled, particle, "!?,;" if rank and key[-1] == "." else "")
-            words = self._in_case(titled, found) if fits and choosy else titled if fits else alone
+            # the full stop of `por. idzie` ends no sentence
+            goes_on = key[2:].endswith(".") and after[:1] in _SPACES and after[1:].islower()
+            nameless = rank and not fits and (alone == titled or (not alone and goes_on))
+            if nameless or (fits and choosy):
+                words = self._in_case(titled, found, named=fits)
+            else:
+                words = titled if fits else alone
             if words and (glued or not (in_word and is_spaced(after[:1]))):
                 best, read = found, words
         return best, read
 
-    def _in_case(self, rank: str, found: re.Match[str]) -> str:
+    def _in_case(self, rank: str, found: re.Match[str], *, named: bool) -> str:
         """Return a rank in the first case that the text around it shows."""
         name = found.end() + (_seen_after(found)[:1] in {*_SPACES})
         for around, endings in self._cases:
-            if around.fit(found.string, found.start(), name):
+            if around.fit(found.string, found.start(), name if named else len(found.string)):
                 return " ".join(
                     next((w[:at] + endings[w[at:]] for at in range(len(w)) if w[at:] in endings), w)
                     for w in rank.split(" ")

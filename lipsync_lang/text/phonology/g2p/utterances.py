@@ -196,24 +196,19 @@ class Utterances:
         start, stop = token.start, token.start + len(token.text)
         # Letters behind a number are a unit: `5 mm` is no "mm".
         counted = number and tokens[number - 1].text[-1].isdigit() and not token.text[0].isdigit()
-        said = None if counted else self._interjections.find(token.text, shouted=shouted)
-        if said is not None:
+        if not counted and (said := self._interjections.find(token.text, shouted=shouted)):
             return _PartStart(start, stop, UtterancePart(token.text, said=said))
-        vowels = self._forms.vowels
-        starts = starts_of(token.text, vowels, self._hyphenated)
-        if starts:
+        if starts := starts_of(token.text, self._forms.vowels, self._hyphenated):
             length = sum(len(one) + 1 for one in starts)
             gone = Replacement(0, length, "")
             return _PartStart(
                 start, stop, UtterancePart("", (gone,), starts=tuple((s, "") for s in starts))
             )
-        halting = tuple(self._halting(tokens[number : number + 2 * MAX_HALTS + 1]))
-        if halting:
+        if halting := tuple(self._halting(tokens[number : number + 2 * MAX_HALTS + 1])):
             word = tokens[number + 2 * len(halting)].start
             gone = Replacement(0, word - start, "")
             return _PartStart(start, word, UtterancePart("", (gone,), starts=halting))
-        drawn = drawn_out(token.text, self._ordinary)
-        if drawn is not None:
+        if drawn := drawn_out(token.text, self._ordinary):
             instead = Replacement(0, len(token.text), drawn.word)
             return _PartStart(start, stop, UtterancePart("", (instead,), drawn=drawn))
         return None
