@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
@@ -391,8 +391,7 @@ class Performer(PlayedPair):
         return Driver.from_plain(self.compiled.rig, self.poses, self.compiled.tables.floors)
 
 
-@dataclass(frozen=True)
-class PerformedLine:
+class PerformedLine(NamedTuple):
     """Source of an animation that a performer made: it can be repeated, and explained.
 
     Parameters
@@ -439,21 +438,25 @@ def _animate(
     if len(names) != len(schedules):
         what = f"{len(names)} lines for {len(schedules)} schedules"
         raise LipsyncError(f"{what}; give one line per schedule")
-    compiled, lined = performer.compiled, zip(schedules, names, strict=True)
-    schedules = [
-        corrected(compiled.line_deliveries.get(line or "", {}), compiled, schedule, line)
-        for schedule, line in lined
-    ]
+    compiled = performer.compiled
+    if compiled.line_deliveries:
+        schedules = [
+            corrected(compiled.line_deliveries.get(line or "", {}), compiled, schedule, line)
+            for schedule, line in zip(schedules, names, strict=True)
+        ]
     read = performer.labels.read(schedules) if schedules else []
-    kept = _neutral_copy(performer, fps)
+    kept, common = _neutral_copy(performer, fps), LineDelivery.plain(performer, asked)
+    gaps, model, floors = compiled.report.gaps, performer.model, performer.contact_floors
     moving = asked.get("gestures")
     if moving:
         from lipsync_lang.performing import gesturing
-    sources = {line: PerformedLine(performer, {"line": line, **asked}) for line in names}
+    sources = {line: PerformedLine(performer, {"line": line, **asked}) for line in {*names}}
     out, tables = [], None
     for asked_for, sounds, line in zip(schedules, read, names, strict=True):
-        schedule = without_gaps(performer, asked_for, sounds)
-        said = LineDelivery.of(performer, schedule, sounds, line, asked)
+        schedule = without_gaps(performer, asked_for, sounds) if gaps else asked_for
+        stated = schedule.words or schedule.likely or sounds.marks.size
+        plain = common if line is None and schedule.audio is None and not stated else None
+        said = plain or LineDelivery.of(performer, schedule, sounds, line, asked)
         if kept is not None and not (said.blends or said.overlays or said.bends or said.others):
             times, weights = kept.utter(sounds.ids, sounds.times, said.dials)
         else:
@@ -472,8 +475,8 @@ def _animate(
             channels += performer.gesture_channels
         out.append(Animation.filled(
             times=times, poses=poses, weights=weights, fps=fps, schedule=schedule,
-            source=sources[line], channels=channels, model=performer.model,
-            neutral=compiled.neutral, contacts=dict(performer.contact_floors),
+            source=sources[line], channels=channels, model=model,
+            neutral=compiled.neutral, contacts=dict(floors),
         ))  # fmt: skip
     return out
 
@@ -505,8 +508,6 @@ def without_gaps(pair: PlayedPair, schedule: Schedule, sounds: "LabelSounds") ->
         Some have none, and gaps are errors.
     """
     compiled = pair.compiled
-    if not compiled.report.gaps:
-        return schedule
     track = lay_track(*sounds[:3], pair.tables(()), pair.motion)
     silent = track.ids == compiled.tables.silence
     # all gaps share the row of rest, so that the phonemes tell them apart

@@ -16,7 +16,6 @@ from lipsync_lang.performing.delivery import DialLevels, Points, bends_of, deliv
 from lipsync_lang.performing.effort import emphasis_dial, loudness_dial, stress_dial
 from lipsync_lang.performing.label_reader import LabelReader, Unknown
 from lipsync_lang.pipeline.constrain import FREE
-from lipsync_lang.pipeline.levels import Blend
 from lipsync_lang.pipeline.motion import SLOW_SPEED, Motion
 from lipsync_lang.pipeline.perform import Performance, perform
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Contact, Tables
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.label_sounds import LabelSounds
     from lipsync_lang.pipeline.bend import Bend
     from lipsync_lang.pipeline.gestures.laying import GestureSet
-    from lipsync_lang.pipeline.levels import Dial
+    from lipsync_lang.pipeline.levels import Blend, Dial
     from lipsync_lang.pipeline.overlay import Overlay
     from lipsync_lang.schedules.schedule import Schedule
 
@@ -57,6 +56,14 @@ class LineDelivery(NamedTuple):
     """Courses of a line of which the sound alone was heard."""
 
     @classmethod
+    def plain(cls, pair: "PlayedPair", asked: OwnSettings) -> Self | None:
+        """Return the delivery of all plain lines; None if the call or the character states one."""
+        compiled, given = pair.compiled, [one for one in asked.values() if one is not None]
+        if given or compiled.word_edits or any(compiled.delivery.values()):
+            return None
+        return cls(compiled.tables, (), (), (), (), ())
+
+    @classmethod
     def of(
         cls,
         pair: "PlayedPair",
@@ -67,10 +74,6 @@ class LineDelivery(NamedTuple):
     ) -> Self:
         """Find the delivery of a schedule; `asked` holds the options of `perform`."""
         compiled = pair.compiled
-        plain = not (schedule.words or schedule.likely or sounds.marks.size or compiled.word_edits)
-        stated = line, schedule.audio, *asked.values()
-        if plain and stated.count(None) == len(stated) and not any(compiled.delivery.values()):
-            return cls(compiled.tables, (), (), (), (), ())
         blends, dials = delivery(compiled, schedule, line, asked["styles"], asked["dials"])
         intensity = asked["intensity"]
         if intensity is None and schedule.audio is not None:
@@ -216,8 +219,6 @@ class PlayedPair:
 
         They have more poses than speech if a style has a posture of its own.
         """
-        if not blends:
-            return self.compiled.tables
         names, drafts = self.compiled.style_names, self.compiled.style_drafts
         heard = frozenset(names[one.style] for one in blends if names[one.style] in drafts)
         if not heard:
@@ -228,7 +229,20 @@ class PlayedPair:
 
     def styled_motion(self, blends: "Sequence[Blend]") -> Motion:
         """Return the motion of a line with the manner of moving of its styles."""
-        return styled_motion(self.compiled, self.motion, blends)
+        names, drafts, motion = self.compiled.style_names, self.compiled.style_drafts, self.motion
+        scales = {"speed": 1.0, "softness": 1.0}
+        for blend in blends:
+            draft, share = drafts.get(names[blend.style], {}), float(blend.share.values.max())
+            for part in scales:
+                scales[part] *= 1 + share * (draft.get(part, 1) - 1)
+        if scales == {"speed": 1.0, "softness": 1.0}:
+            return motion
+        limit = motion.speed_limit * scales["speed"]
+        return replace(
+            motion,
+            speed_limit=min(max(limit, SLOW_SPEED), motion.speed_limit),
+            softness=motion.softness * scales["softness"],
+        )
 
     @cached_property
     def labels(self) -> LabelReader:
@@ -294,24 +308,6 @@ def with_drafts(compiled: CompiledPair, heard: Collection[str]) -> Tables:
             bank = bank._replace(curves=curves)
         banks.append(bank)
     return replace(tables, styles=tuple(banks))
-
-
-def styled_motion(compiled: CompiledPair, motion: Motion, blends: Sequence[Blend]) -> Motion:
-    """Return the motion of a line in which each drafted style has its highest share."""
-    names, drafts = compiled.style_names, compiled.style_drafts
-    scales = {"speed": 1.0, "softness": 1.0}
-    for blend in blends:
-        draft, share = drafts.get(names[blend.style], {}), float(blend.share.values.max())
-        for part in scales:
-            scales[part] *= 1 + share * (draft.get(part, 1) - 1)
-    if scales == {"speed": 1.0, "softness": 1.0}:
-        return motion
-    limit = motion.speed_limit * scales["speed"]
-    return replace(
-        motion,
-        speed_limit=min(max(limit, SLOW_SPEED), motion.speed_limit),
-        softness=motion.softness * scales["softness"],
-    )
 
 
 def _with_postures(tables: Tables, posture: dict[str, Any]) -> Tables:

@@ -67,7 +67,7 @@ class KernelCopy(NamedTuple):
         ids : (m,) common phonemes, as `numpy.intp`
         times : (m + 1,) boundaries in seconds, as `numpy.float64`
         """
-        return kernel.compiled.utter(*self, ids, times, _given(dials))
+        return kernel.compiled.utter(*self, ids, times, _given(dials) if dials else ())
 
 
 def keep(tables: Tables, motion: Motion, prepared: StageValues, fps: float) -> KernelCopy:

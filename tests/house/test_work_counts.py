@@ -73,6 +73,14 @@ def test_calls_grow_at_most_with_the_lines_of_a_batch():
     assert many < sum(calls(lambda one=one: performer.perform(one)) for one in lines)
 
 
+@pytest.mark.skipif(kernel.compiled is None, reason="the stages in numpy take more calls")
+def test_a_plain_line_more_takes_a_third_of_the_calls_of_one_alone():
+    performer = ll.resolve("english", "facefx")
+    lines = [Schedule(("M", "AA", "S"), np.arange(4) + n / 9) for n in range(40)]
+    few, many = (calls(lambda n=n: performer.perform_many(lines[:n])) for n in (10, 40))
+    assert 3 * (many - few) < 30 * calls(lambda: performer.perform(lines[0]))
+
+
 def test_calls_of_a_stream_do_not_grow_with_what_was_said_before():
     performer = ll.resolve("english", "facefx")
 
