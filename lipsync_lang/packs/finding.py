@@ -135,9 +135,10 @@ class Finder:
 
     def overriding(self, kind: Kind, name: str) -> tuple[Path, ...]:
         """Return the project's pack that is found in place of a built-in one, if it is."""
-        first = {f.root.origin: f for f in self.names(kind) if f.name == name}
-        own, shipped = first.get("project"), first.get("built-in")
-        return (own.path,) if own and shipped and shipped.shadowed_by == own.path else ()
+        listed = ((root.origin, self._list(root.path, kind).get(name)) for root in self.roots)
+        found = {origin: path for origin, path in listed if path is not None}
+        first = next(iter(found), "")
+        return (found[first],) if first == "project" and "built-in" in found else ()
 
     def column_names(self, language: str, word: str | None = None) -> tuple[str, ...]:
         """Return what the column of a language may be called, the likeliest first.
