@@ -73,7 +73,7 @@ class Frames:
         return self.start + np.arange(self.first + begin, self.first + stop) / self.fps
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Performance:
     """State of a track in the stages."""
 

@@ -59,7 +59,7 @@ class Reach(NamedTuple):
     """Frames."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class StageValues:
     """Values that a performance derives from its tables, motion and frame rate."""
 

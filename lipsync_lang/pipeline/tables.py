@@ -54,7 +54,7 @@ class Bank(NamedTuple):
     """(B,) True where a bigram waives the contacts of its two phonemes."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Tables:
     """A language and a character, compiled for performance."""
 

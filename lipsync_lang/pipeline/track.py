@@ -23,7 +23,7 @@ NO_TRIGRAMS: Ints = np.zeros(0, np.intp)
 NO_TRIGRAMS.setflags(write=False)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Track:
     """n phonemes, silence first and last, and the n - 1 bigrams between neighbours."""
 

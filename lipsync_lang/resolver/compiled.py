@@ -115,7 +115,7 @@ def _layer_lines(layers: dict[str, dict[str, int]]) -> list[str]:
     ]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class CompiledPair:
     """Plain data and arrays that a performer needs; the cache stores exactly these."""
 

@@ -9,7 +9,7 @@ FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
 """First characters of formulas in any spreadsheet."""
 
 # what is forbidden, for a pattern of what is allowed takes 10 ms to compile
-_FORBIDDEN = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+_FORBIDDEN = "[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]"
 
 
 def shell_command(parts: Iterable[str]) -> str:
@@ -37,4 +37,4 @@ def plain_text(cell: str) -> str:
 
 def xml_text(text: str) -> str:
     """Return text with a replacement character for each character that XML 1.0 forbids."""
-    return _FORBIDDEN.sub("\N{REPLACEMENT CHARACTER}", text)
+    return re.sub(_FORBIDDEN, "\N{REPLACEMENT CHARACTER}", text)
