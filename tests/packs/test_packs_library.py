@@ -33,6 +33,17 @@ def offer(site: Path, value: str, monkeypatch) -> None:
     monkeypatch.syspath_prepend(site)
 
 
+def test_a_pack_of_the_project_that_is_found_first_overrides_a_built_in_one(tmp_path):
+    own = put(tmp_path, "project/languages/english.yaml", CHILD)
+    put(tmp_path, "project/languages/child.yaml", CHILD)
+    put(tmp_path, "given/languages/english.yaml", CHILD)
+    project = tmp_path / "project"
+    assert Finder((), project).overriding("language", "english") == (own,)
+    assert Finder((), project).overriding("language", "child") == ()
+    assert Finder((), project).overriding("language", "french") == ()
+    assert Finder([tmp_path / "given"], project).overriding("language", "english") == ()
+
+
 def test_places_are_searched_in_order(tmp_path, monkeypatch):
     names = ["given", "variable", "project", "site/offered/packs"]
     given_, variable, project, offered = (plant(tmp_path / name) for name in names)
