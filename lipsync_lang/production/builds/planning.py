@@ -150,15 +150,15 @@ def _made(record: LineRecord, **other: Any) -> LineRecord:
 
 def _changed_needs(
     known: Iterable[tuple[Key, LineRecord]], records: Records, needs: Needs
-) -> dict[Key, tuple[str, ...]]:
-    """Return the names of the needs of each line whose values have changed; one comparison a pair.
+) -> dict[Key, list[str]]:
+    """Return which needs of each line have changed, in words; one comparison a pair.
 
     Lines without a change are left out.
     """
     grouped: dict[tuple[str, str], list[tuple[Key, bytes]]] = {}
     for key, record in known:
         grouped.setdefault(key[:2], []).append((key, record.needs))
-    out: dict[Key, tuple[str, ...]] = {}
+    out: dict[Key, list[str]] = {}
     for pair, own in grouped.items():
         every = np.frombuffer(b"".join(stated for _, stated in own), NEED)
         if every["number"].max(initial=0) > len(records.names):
@@ -171,9 +171,11 @@ def _changed_needs(
         other = np.flatnonzero(now[every["number"]] != every["digest"])
         if other.size:
             ends = np.cumsum([len(stated) for _, stated in own]) // NEED.itemsize
-            for place, row in zip(other.tolist(), ends.searchsorted(other, "right"), strict=True):
-                name = records.name(int(every["number"][place]))
-                out[own[row][0]] = (*out.get(own[row][0], ()), name)
+            rows, numbers = ends.searchsorted(other, "right"), every["number"][other]
+            # each text is kept once for all lines: a stale line may have some tens of them
+            told = {n: f"{need_in_words(records.name(n))} changed" for n in used.tolist()}
+            for row, number in zip(rows.tolist(), numbers.tolist(), strict=True):
+                out.setdefault(own[row][0], []).append(told[number])
     return out
 
 
@@ -197,7 +199,7 @@ class _Planner:
             reasons.append("it is new")
         else:
             reasons += self._inputs_changed(inputs, text, record)
-            reasons += [f"{need_in_words(name)} changed" for name in changed]
+            reasons += changed
             if record.verdict == "failed":
                 reasons.append("it failed in the last build")
         if self.force:

@@ -67,6 +67,17 @@ def test_a_build_makes_every_line_and_the_next_none(game):
     assert (again.code, again.built, again.end["current"]) == (0, [], len(ALL))
 
 
+@pytest.mark.usefixtures("built")
+def test_stale_lines_share_the_words_of_their_reasons(monkeypatch):
+    monkeypatch.setattr(needs.PairNeeds, "current", lambda *_: bytes(8))
+    project = ProjectBuild.open()
+    with Records.open(project.folder) as known:
+        stale = project.plan(known).stale
+    reasons = [one for step in stale for one in step.reasons]
+    assert sorted(step.line.name for step in stale) == ALL
+    assert len({id(one) for one in reasons}) == len({*reasons}) < len(reasons)
+
+
 def test_an_edited_bigram_remakes_the_lines_that_contain_it(built):
     before = built.takes()
     built.bank(0.5)
