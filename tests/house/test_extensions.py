@@ -7,7 +7,7 @@ from itertools import chain
 from pathlib import Path
 
 import pytest
-from lanes import full
+from lanes import full, needs_plug_ins
 from test_import_is_light import modules_after
 
 from lipsync_lang.animations.animation_readers import ANIMATION_READERS
@@ -209,6 +209,7 @@ def test_what_is_built_in_is_there_under_its_name(known):
     assert set(known.origins.values()) <= {"lipsync-lang"}
 
 
+@needs_plug_ins
 def test_entry_points_of_our_readers_state_all_their_suffixes():
     stated = {one.module: one.name.split(".")[1:] for one in installed(TIMING_READERS.group)}
     made = grouped((one.read.__module__, one.suffixes) for one in TIMING_READERS.values())

@@ -8,7 +8,7 @@ import sys
 import typing
 
 import pytest
-from lanes import full
+from lanes import full, needs_plug_ins
 
 import lipsync_lang as ll
 
@@ -138,6 +138,7 @@ def test_a_report_from_the_cache_needs_no_arrays():
     assert not unread & modules_after(code)
 
 
+@needs_plug_ins
 def test_timings_in_json_load_no_readers_of_other_suffixes(tmp_path):
     line = tmp_path / "line.json"
     line.write_text('[{"label": "M", "start": 0, "end": 0.2}]')
