@@ -23,10 +23,11 @@ EXACT = ["-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]
 """Options of GCC and Clang: products are rounded before they are added, on every machine alike."""
 
 
-def build_in(folder: Path) -> Path:
+def build_in(folder: Path, *, anew: bool) -> Path:
     """Compile the kernel into a folder, in its package; return the library.
 
-    It is built against Python's stable interface, and serves every Python from 3.11 on.
+    It is built against Python's stable interface, and serves every Python from 3.11 on. A library
+    that is newer than its sources is kept, unless it is to be built anew.
     """
     from setuptools import Distribution, Extension
     from setuptools.command.build_ext import build_ext
@@ -37,23 +38,24 @@ def build_in(folder: Path) -> Path:
                 ext.extra_compile_args = EXACT
             super().build_extension(ext)
 
-    extension = Extension(MODULE, [str(SOURCE)], py_limited_api=True)
+    sources = {"sources": [str(SOURCE)], "depends": [Path(__file__).name]}
+    extension = Extension(MODULE, **sources, py_limited_api=True)
     command = Build(Distribution({"ext_modules": [extension]}))
     with TemporaryDirectory() as objects:
-        command.build_temp, command.build_lib, command.force = objects, str(folder), True
+        command.build_temp, command.build_lib, command.force = objects, str(folder), anew
         command.ensure_finalized()
         command.run()
     return folder / command.get_ext_filename(MODULE)
 
 
-def compiled_or_reason(folder: Path) -> Path | str:
+def compiled_or_reason(folder: Path, *, anew: bool = True) -> Path | str:
     """Compile the kernel; return the library, or the reason why there is none."""
     if os.environ.get("LIPSYNC_LANG_KERNEL", "").strip().lower() == "off":
         return "LIPSYNC_LANG_KERNEL is off"
     here = Path.cwd()
     try:
         os.chdir(ROOT)
-        return build_in(folder)
+        return build_in(folder, anew=anew)
     # compilers fail in many ways, and distutils leaves by SystemExit too
     except (Exception, SystemExit) as error:  # noqa: BLE001
         return f"{type(error).__name__}: {error}"
@@ -68,7 +70,9 @@ class KernelHook(BuildHookInterface):  # type: ignore[type-arg]
         """Compile before files are collected."""
         editable = version == "editable"
         self.built = None if editable else TemporaryDirectory()
-        found = compiled_or_reason(ROOT if self.built is None else Path(self.built.name))
+        # other extras are installed later, and compiling takes longer than they do
+        folder = ROOT if self.built is None else Path(self.built.name)
+        found = compiled_or_reason(folder, anew=not editable)
         if isinstance(found, str):
             self.app.display_warning(f"no compiled kernel, which costs only speed: {found}")
             return

@@ -1,16 +1,19 @@
 """The compiled kernel agrees with the stages in numpy on any input."""
 
 import os
+import runpy
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lanes import full
+from places import ROOT
 from strategies import RATES, any_lines, lines, motions, real
 
 import lipsync_lang as ll
@@ -303,3 +306,14 @@ def test_a_process_without_the_kernel_performs_alike():
     ]  # fmt: skip
     assert said[0][0] == "True"
     assert said[0][2] == said[1][2]
+
+
+@needs_kernel
+def test_a_library_that_is_newer_than_its_sources_is_kept(tmp_path):
+    pytest.importorskip("hatchling", reason="the dev extra is not installed")
+    made = tmp_path / "lipsync_lang/pipeline" / Path(kernel.compiled.__file__).name
+    made.parent.mkdir(parents=True)
+    made.write_bytes(b"kept")
+    build = runpy.run_path(str(ROOT / "hatch_build.py"))
+    assert build["compiled_or_reason"](tmp_path, anew=False) == made
+    assert made.read_bytes() == b"kept"
