@@ -44,7 +44,7 @@ def game(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     made = Game(tmp_path, capsys)
     made.write("posesets/facefx/banks/common.yaml", BANK.format(level=0.2))
-    made.write("lipsync.yaml", (tmp_path / "lipsync.yaml").read_text() + "reports: [out.html]\n")
+    made.write("lipsync.yaml", (tmp_path / "lipsync.yaml").read_text() + "reports: [out.json]\n")
     return made
 
 
@@ -150,7 +150,7 @@ CHANGES = {
     "a pose set": new_pose_set,
     "an output that is gone": lambda game: (game.folder / "takes/low.csv").unlink(),
     "an output that was edited": lambda game: game.write("takes/low.csv", "mine"),
-    "a report that is gone": lambda game: (game.folder / "out.html").unlink(),
+    "a report that is gone": lambda game: (game.folder / "out.json").unlink(),
     "a record that a killed build left": lambda game: game.write(
         ".lipsync_lang/build.sqlite-wal", "x"
     ),
