@@ -6,7 +6,6 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -308,10 +307,12 @@ def test_a_process_without_the_kernel_performs_alike():
     assert said[0][2] == said[1][2]
 
 
-@needs_kernel
 def test_a_library_that_is_newer_than_its_sources_is_kept(tmp_path):
     pytest.importorskip("hatchling", reason="the dev extra is not installed")
-    made = tmp_path / "lipsync_lang/pipeline" / Path(kernel.compiled.__file__).name
+    built = [*(ROOT / "lipsync_lang/pipeline").glob("_kernel.abi3.*")]
+    if not built:
+        pytest.skip("no library with the stable interface was built in place")
+    made = tmp_path / built[0].relative_to(ROOT)
     made.parent.mkdir(parents=True)
     made.write_bytes(b"kept")
     build = runpy.run_path(str(ROOT / "hatch_build.py"))

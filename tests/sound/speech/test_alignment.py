@@ -990,11 +990,11 @@ def test_every_phoneme_that_a_pack_gives_for_the_model_is_one_of_its_own(english
 
 
 @full
-def test_a_minute_more_takes_less_memory_than_their_samples_in_float64(english, spoken):
+def test_minutes_more_take_less_memory_than_their_samples_in_float64(english, spoken):
     one = [spoken[text].audio for text in TEXTS]
     aligned(english, one[0], TEXTS[0], aligner="pocketsphinx")  # which loads the models
     peaks = []
-    for minutes in (0.5, 1.5):
+    for minutes in (1, 3):
         times = round(minutes * 60 / sum(audio.seconds for audio in one))
         samples = np.concatenate([audio.samples for audio in one] * times)
         audio, text = ll.Audio(samples, one[0].rate), " ".join(TEXTS * times)
@@ -1003,4 +1003,4 @@ def test_a_minute_more_takes_less_memory_than_their_samples_in_float64(english, 
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert max(peaks) < 250e6
-    assert peaks[1] - peaks[0] < 60 * SPEECH_RATE * 8 / 2
+    assert peaks[1] - peaks[0] < 2 * 60 * SPEECH_RATE * 8 / 2
