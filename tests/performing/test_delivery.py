@@ -1,6 +1,7 @@
 """Delivery of lines: styles blended over neutral, scaled regions, and poses one at a time."""
 
 import json
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -90,6 +91,13 @@ def test_a_style_changes_its_own_bigrams_and_no_others(bare):
     assert changed.any()
     assert (times[changed] > 0.35).all()
     assert (times[changed] < 0.8).all()  # the line never comes to `ow-_`
+
+
+def test_the_styles_of_a_character_shape_a_line_without_words(bare, anna):
+    plain = replace(LINE, words=())
+    asked = bare.perform(plain, styles={"grim": 0.5}).weights
+    assert np.array_equal(anna.perform(plain).weights, asked)
+    assert not np.array_equal(bare.perform(plain).weights, asked)
 
 
 def test_half_a_style_is_half_way_before_all_else(bare):
