@@ -4,7 +4,7 @@
 //
 // PAIR names the row of both poses, LEFT that of the left one. Printed is JSON: `said` and `asked`, the errors and the
 // requests to other places; the rest below.
-import { inStudio, lineOf } from "./browsing.mjs";
+import { inStudio, lineOf, settle } from "./browsing.mjs";
 
 await inStudio(async ({ open, result, given: [pair, left, picture] }) => {
   const page = await open("#sentence");
@@ -15,6 +15,7 @@ await inStudio(async ({ open, result, given: [pair, left, picture] }) => {
     await page.keyboard.press("k");
     await page.keyboard.press("Shift+ArrowUp");
     await undoes(title);
+    await settle(page); // both keys have that title
     return (await settings()).bends;
   };
   const folder = page.locator(`[data-pair='${pair}']`);
