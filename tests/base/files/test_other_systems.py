@@ -432,7 +432,7 @@ def test_a_build_by_several_processes_goes_on_after_changes(start, game):
         ("run", "Hello, people", "-o", "speech.html", "-o", "speech.wav"),
         ("run", "مرحبا", "-l", "arabic", "-o", "مرحبا.csv"),
         ("study", "new", "script.csv", "--method", "ours", "--method", "keyframes", "--tts", "none",
-         "--workers", "2", "-o", "Studie – 研究"),
+         "--pairs", "2", "--workers", "2", "-o", "Studie – 研究"),
     ],
     ids=lambda arguments: " ".join(arguments[:2]) + f" {arguments[-1]}",
 )  # fmt: skip

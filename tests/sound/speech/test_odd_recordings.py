@@ -57,13 +57,13 @@ def music(seconds):
         (lambda _: noise(5), TEXT),
         (lambda _: music(5), TEXT),
         (lambda voice: voice, "Four hours of steady work faced us."),
-        (lambda voice: np.tile(voice, 30)[: 60 * RATE], "map"),
+        (lambda voice: np.tile(voice, 15)[: 30 * RATE], "map"),
         (lambda voice: voice[:RATE], "please buy five maps " * 250),
         (lambda voice: voice[: RATE // 50], "hello"),
         (lambda voice: voice[:1], "hello"),
     ],
     ids=[
-        "silence", "noise", "music", "another text", "a word for a minute",
+        "silence", "noise", "music", "another text", "a word for half a minute",
         "a thousand words for a second", "a fiftieth of a second", "a sample",
     ],
 )  # fmt: skip
