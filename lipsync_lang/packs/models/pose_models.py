@@ -292,7 +292,7 @@ class PoseSet(PackModel):
     mirrored: dict[Text, Text] = Field(default={})
     """Parts of the names of mirrored poses, such as `Left: Right`; timelines show a pair as one."""
     measures: dict[Text, dict[PoseName, float]] = Field(default={})
-    """Measures for quality reports: sums of gain times pose."""
+    """Sums of gain times pose, for reports; drawn mouths show `aperture` and `protrusion`."""
     checks: Checks = Checks()
     """Limits for the quality of finished animations."""
     model: Text | None = None
