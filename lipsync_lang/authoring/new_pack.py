@@ -19,7 +19,7 @@ from lipsync_lang.base.errors import LipsyncError, PackError
 from lipsync_lang.base.files import write_all
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.packs.finding import WHOLE_MODELS
-from lipsync_lang.packs.yaml.value_text import as_scalar, on_one_line
+from lipsync_lang.packs.yaml.value_text import as_scalar, filled
 
 WRAP_CHARS = 100
 """Maximum line width in characters for wrapped lists."""
@@ -82,18 +82,8 @@ def check_name(name: str, existing: Path | None = None) -> None:
 
 
 def from_template(name: str, **known: object) -> str:
-    """Return the text of a pack; `yaml` writes a value of its template on one line."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(  # noqa: S701 plain text, no HTML
-        loader=PackageLoader(__package__),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        keep_trailing_newline=True,
-    )
-    # YAML would take a name such as 007 for a number, and "no" for false.
-    environment.filters["yaml"] = on_one_line
-    return environment.get_template(f"{name}.jinja").render(known)
+    """Return the text of a pack."""
+    return filled(__package__ or "", f"templates/{name}", known)
 
 
 def place_model(model: Path, pack: Path) -> tuple[str, NewFiles]:

@@ -10,10 +10,11 @@ import json
 import os
 import re
 import shutil
+from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files.names import fault_of_name
@@ -22,7 +23,7 @@ from lipsync_lang.base.files.temporary import temporary_name
 from lipsync_lang.base.files.writing import cannot_write, replace_file
 from lipsync_lang.packs.finding import FOLDERS
 from lipsync_lang.packs.project import FILE
-from lipsync_lang.packs.yaml.value_text import on_one_line
+from lipsync_lang.packs.yaml.value_text import filled, on_one_line
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
@@ -56,7 +57,7 @@ class Starter(NamedTuple):
 @cache
 def starter() -> Starter:
     """Return the defaults of new projects."""
-    told = json.loads(_template("starter.json"))
+    told = json.loads((files(__package__ or "") / TEMPLATES / "starter.json").read_text("utf-8"))
     return Starter(**told | {"lines": tuple(told["lines"])})
 
 
@@ -113,7 +114,7 @@ def project_files(
             paths.append(on_one_line(Path(os.path.relpath(path, name)).as_posix()))
         except ValueError:  # another drive of Windows
             paths.append(on_one_line(path.absolute().as_posix()))
-    known: dict[str, Any] = {
+    known = {
         "name": name,
         "title": on_one_line(name),
         "language": on_one_line(spoken.name),
@@ -135,16 +136,6 @@ def project_files(
     return {path: text for path, text in made.items() if own or path != character_file}
 
 
-def from_template(name: str, known: dict[str, Any]) -> str:
-    """Return a file of a new project; `yaml` writes a value of its template on one line."""
-    from jinja2 import Environment, StrictUndefined
-
-    environment = Environment(  # noqa: S701 plain text, no HTML
-        undefined=StrictUndefined, keep_trailing_newline=True
-    )
-    environment.filters["yaml"] = on_one_line
-    return environment.from_string(_template(f"{name}.jinja")).render(known)
-
-
-def _template(name: str) -> str:
-    return (files(__package__ or "") / TEMPLATES / name).read_text("utf-8")
+def from_template(name: str, known: Mapping[str, object]) -> str:
+    """Return a file of a new project."""
+    return filled(__package__ or "", f"{TEMPLATES}/{name}", known)
