@@ -39,6 +39,8 @@ NO_TARGET = {
     "production/builds/unchanged.py": "an index of our own, with a digest; damaged ones are tested",
     "schedules/readers/record_formats.py": "a table of our own",
     "text/lines/script_formats.py": "a table of our own",
+    "text/lines/markup.py": "a table of our own",
+    "packs/yaml/value_text.py": "templates of our own",
     "production/builds/timing.py": "a cache of our own, which has tests of its own",
     "reports/coverage/reading_cache.py": "a cache of our own, which has tests of its own",
     "base/presentation/pages.py": "templates of our own",

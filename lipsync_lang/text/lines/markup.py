@@ -22,10 +22,11 @@ tag leaves no gap. A word in braces is a tag if a closing tag follows, or if it 
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from html import unescape
 from itertools import islice
+from pathlib import Path
 from typing import NamedTuple
 from unicodedata import normalize
 
@@ -71,93 +72,29 @@ SYMBOL = (
     "\U0001f000-\U0001fbff\U000e0020-\U000e007f|^`_]"
 )
 """Arrows, shapes, notes of music, emoji and their parts, and marks of typewriters."""
+
+
+def _stated_forms() -> Iterator[list[str]]:
+    """Yield the rows of `markup_forms.tsv`: kind, example, pattern, and a proof for unsure ones."""
+    parts = {"NAME": NAME, "NO_PERCENTAGE": NO_PERCENTAGE, "NO_SHARE": NO_SHARE, "SYMBOL": SYMBOL}
+    parts |= {"LATIN_CHARS": LATIN_CHARS, "BESIDE_ADDRESS": BESIDE_ADDRESS}
+    text = Path(__file__).with_name("markup_forms.tsv").read_text("utf-8")
+    for name, part in parts.items():
+        text = text.replace(f"@{{{name}}}", part)
+    for row in text.splitlines()[1:]:
+        if not row.startswith("# "):
+            yield [*row.split("\t"), ""][:4]
+
+
+_FORM_ROWS = list(_stated_forms())
 FORMS = {
-    "bleep": {"#@$%!": r"(?<![\w#@$%&*§])[#@$%&*§](?:[!?]*[#@$%&*§]){2,}[!?]*(?!\w)"},
-    # colours, sizes, waits and icons of Minecraft, Paradox, Quake, RPG Maker, Rockstar and Warcraft
-    "code": {
-        r"\C[4] \I[5]": r"\\(?![NPV]+\[)[A-Za-z]{1,6}\[[^\[\]]*\]",
-        r"\cff \ca": r"\\c(?:[0-9A-Fa-f]{6}|[0-9A-Fa-f]{2,3}(?![A-Za-z])|[a-z-])",
-        r"\G \. \!": r"\\[A-Z](?![a-z\[])|\\[.|!^<>]",
-        r"\{ \}": r"\\\{(?!\w+\})|\\\}",
-        "§a §!": r"§[A-Za-z!]|§\d(?=[^\W\d])",
-        "&a &6": rf"(?<![{LATIN_CHARS}&])&(?!c\.)[0-9a-fk-or](?![a-z0-9])",
-        "^1 ^xF00": rf"(?<![{LATIN_CHARS})])\^(?:\d|x[0-9A-Fa-f]{{3}})",
-        "|cFF0000 |cffff0000": r"\|c(?:[0-9A-Fa-f]{8}|[0-9A-Fa-f]{6})",
-        "~r~ ~INPUT_JUMP~": r"~(?:[A-Za-z0-9]|[A-Z]+_[A-Z0-9_]+)~",
-    },
-    "tag": {
-        "<rt>かん</rt>": r"<(?P<r>rt|rp)\b[^<>]*>(?:(?!<r[tp]\b).)*?</(?P=r)>",
-        '<sub alias="x">y</sub>': r"<sub\s[^<>]{0,200}?\balias\s*=\s*[\"'](?P<alias>[^<>\"']*)[\"']"
-        r"[^<>]*>[^<>]*</sub>",
-        "<!--x--> <<wait>>": r"<!--.{0,500}?-->|<<[^<>]*>>",
-        "<i> </color> <@user>": r"</?[@$]?[A-Za-z][^<>]*>",
-        "</> <0> </0> <1/>": r"<(?:/?\d{0,2}|\d{1,2}/)>",
-        "<%=x%> <#ff0000> <00:10.5>": r"<%[^<>]*%>|<#[0-9A-Fa-f]{3,8}>|<\d\d[\d:.,]*>",
-    },
-    "placeholder": {
-        "@name@ #name#": r"@[\w.]+@|#[\w.]+#",
-        "$NAME$ $NAME|x$ $1$": rf"\$(?:{NAME}|\d)(?:\|[^\s$]{{1,4}})?\$",
-        "£gold £gold£": rf"£{NAME}£?",
-        "__NAME__ __name__": r"__[A-Za-z][A-Za-z0-9_]*?__",
-        ":name: ::name::": rf"(?:(?<!\S)::?{NAME}::?(?!:)"
-        rf"|(?<![{LATIN_CHARS}:])::?{NAME}::?(?![{LATIN_CHARS}:]))",
-        "&player;": rf"(?<![{LATIN_CHARS}])&{NAME};",
-        "@1": rf"@\d(?![\d:{LATIN_CHARS}]|[.,]\d)",
-        "@name @player.name": rf"(?<![{LATIN_CHARS}.])@{NAME}(?:\.{NAME})*",
-        "$[name] $(name) $t(a.b) $sum()": r"\$[\[(]\w+[\])]|\$(?:t|\w+(?=\(\)))\([^()]*\)",
-        r"$name \$name $имя $a.b $a->b": rf"(?<![A-Za-z]\$)\\?\$(?:{NAME}|[\u0370-\u052f]\w*)"
-        r"(?:(?:->|\.)[a-z_][A-Za-z0-9_]*)*",
-        r"\N[1] \V[\V[2]]": r"\\[NPV]+\[(?:[^\[\]]|\[[^\[\]]*\])*\]",
-        "{rt}かん{/rt}": r"\{rt\}(?:(?!\{rt\}).)*?\{/rt\}",
-        "{{#if}} {{name|upper}}": r"\{\{(?:[#/^>!][^{}]*|\s*-?\$?[\w.]+\s*(?:[|:][^{}]*)?)\}\}",
-        "{{ }}": r"\{\{|\}\}",
-        r"{name} ${name} #{name} \{name}": r"\\?[%@#$]?\{[^{}]*\}",
-        "[[ ]]": r"\[\[|\]\]",
-        "[name] [a[b]]": r"\[[^\[\]]*(?:\[[^\[\]]*\][^\[\]]*)*\]",
-        # Glued to a word: `%sen`, `%d個`, `%dfach`, but not `%damage` and the ending of `%50den`.
-        "%%name%% %%s %%": r"%%\w+%%|(?<!\d)%%[sd](?![A-Za-z_])|%%",
-        "%NAME% %1%": rf"%(?:{NAME[:-1]}+|\d)%(?!%|[sd](?![A-Za-z]))",
-        "%(name)s %(n).2f": r"%\(\w+\)[-+#0]*\d*(?:\.\d+)?[a-z]",
-        "%<name>s": r"%<\w+>[a-z]?",
-        "%1!s!": r"%\d!\w{1,3}!",
-        "%s %d %-5d %@": rf"{NO_PERCENTAGE}(?!d[aeiouyrw][a-z]{{3}})(?:[+,]|-\d*)?(?:ll?d|[sd@])",
-        "%5dk": rf"{NO_PERCENTAGE}\d+d(?=[b-df-hj-np-tvxz])",
-        "%1$s %.2f %03d": r"%(?:\d+\$[-+#0,]*\d*(?:\.\d+)?|[-+#0,]*\d*\.\d+|0\d+)l{0,2}"
-        r"[sdifuxXoc@]",
-        "%i %*d %zu": r"%[-+#0,]*(?:\d*|\*)(?:hh?|ll?|[zj])?[sdifuxXcog@](?![A-Za-z_À-ɏ])",
-        "%L1 %1": rf"%(?:L\d|1{NO_SHARE})",
-        "%n %-m %item": rf"{NO_PERCENTAGE}(?:-?[A-Za-z](?![A-Za-z_À-ɏ])|(?<!%%)[A-Za-z]{NAME})",
-    },
-    "escape": {
-        r"\n \p \"": r"\\(?:[nrt]|[plf](?![^\W\d_])|(?<=[^\s\\]\\)[plf]|(?P<kept>[\\\"'%\[\]{ ]))",
-        r"\left and\or": r"\\(?!\*)",
-    },
-    "aside": {
-        "(laughs)": r"\((?P<round>[^()\[\]{}<>]{1,80})\)",
-        "【笑】": r"[（【〔［＜〈](?P<doublewidth>[^（）【】〔〕［］＜＞〈〉]{1,80})[）】〕］＞〉]",
-        "*sighs*": r"(?<![*\\\w])\*{1,2}(?P<star>[^*\n]{1,80})\*{1,2}(?![*\w])",
-    },
-    "sign": {
-        "- x": r"^(?:[-+*]+ )+(?=\D)",
-        "->END <>": r"(?:->|<-) ?[\w.]+$|<>",
-        "x # angry": r"(?<= )# ?[^\W\d_]\w*(?:: ?[\w.-]+)?$",
-        "#tag": r"(?<![\w&#@$%*])#(?=\w*[^\W\d_])\w+",
-        "}/{ %d/%d": r"(?:(?<=[}\]])|(?<=[%$][sdiu]))/(?=[%${\[\d])",
-        "♪ 👍🏽": rf"(?!○{{1,2}}(?<=○○) ?[{BESIDE_ADDRESS}]){SYMBOL}(?:\u200d?{SYMBOL})*",
-        "SPY×FAMILY": r"(?<=[^\W\d_㐀-鿿])×+(?=[^\W\d_])",
-        "<3 --> <= >> <<": r"<3+(?!\d)|(?<![-=])[-=]+>|<[-=]+|>{2,}|<{2,}",
-    },
-    "wave": {"~": r"(?<=[^\w\s%℃(])[~〜～]+|[~〜～]+(?!\d)"},
+    kind: {
+        example: pattern for of, example, pattern, proof in _FORM_ROWS if of == kind and not proof
+    }
+    for kind, *_ in _FORM_ROWS
 }
 """Kinds of markup: examples, and the pattern that finds them; the first that fits counts."""
-UNSURE_FORMS = {
-    "%2": ("placeholder", rf"%[2-9]{NO_SHARE}", r"%L?1(?!\d)"),
-    "§6": ("code", r"§\d(?!\d)", r"§[A-Za-z]|§\d(?=[^\W\d])"),
-    "&b": ("code", r"&[0-9a-fk-or]", r"&r(?![a-z])"),
-    "^7": ("code", r"\^\d", rf"(?<![{LATIN_CHARS})])\^\d"),
-    "|r": ("code", r"\|r", r"\|c[0-9A-Fa-f]{6}"),
-    "|n": ("escape", r"\|n", r"\|[cr]"),
-}
+UNSURE_FORMS = {example: (kind, *rest) for kind, example, *rest in _FORM_ROWS if rest[-1]}
 """Examples of markup that may be text: its kind, its pattern, and its proof elsewhere in a line."""
 PROOFS = {kind: re.compile(proof) for kind, (_, _, proof) in UNSURE_FORMS.items()}
 SILENT_KINDS = frozenset({"bleep", "code", "tag", "sign", "wave", "face"})
