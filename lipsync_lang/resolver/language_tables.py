@@ -191,6 +191,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         endings={last: dict(others) for last, others in stated.endings.items()},
         rank_cases=tuple((r.before, r.after, r.endings) for r in stated.rank_cases.values()),
         numbers={**stated.numbers, **stated.number_tables},
+        joins=stated.joins,
         numeral_words=numerals.words,
         **{name: getattr(numerals, name) for name in ("counted", "named", "ordinals")},
         **shared_forms,

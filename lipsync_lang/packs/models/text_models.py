@@ -183,10 +183,11 @@ class RankCase(Strict):
     """A case of ranks: where they have it, and their endings."""
 
     before: str = ""
-    """Expression for what follows the rank: a name in its case, `\\w+ovi(?!\\w)`, or none, `$`."""
+    """Expression for what follows the rank: a name in its case, `\\w+ovi(?!\\w)`, or none, `$`, so
+    that the rank needs no name."""
     after: str = ""
     """Expression for what precedes the rank, such as a preposition with its space."""
-    endings: dict[Text, str] = Field(min_length=1)
+    endings: dict[Text, str] = Field(default={})
     """Ends of the words of ranks, or whole words, with those of the case; the longest that fits a
     word wins."""
 
@@ -248,6 +249,9 @@ class LanguageText(Strict):
     up to the next rule, so rules also choose the form of a noun: `"# ч": "{1} {1:час}"` goes by
     `час: {1: час, 2: часа, 5: часов, 21: ">"}`. Rules that differ in endings alone name others:
     `feminine: {like: ordinal, endings: {o: a}}`."""
+    joins: tuple[Text, ...] = ()
+    """Words between numbers that have the form of the last: with `und`, each of
+    `am 3., 5. und 9. Mai` has that of `am 9. Mai`."""
     repeated: dict[Text, str] = Field(default={})
     """Signs that say the word before them again, as the Lao `ໆ`, each with an expression for it."""
     thousands: str = Field(default="", max_length=1)

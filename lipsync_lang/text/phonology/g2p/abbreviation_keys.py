@@ -72,6 +72,7 @@ _BEFORE_ALONE = re.compile(r"([^{}]+)\{1\}")
 _BEFORE_LAST = re.compile(r"(\{1[^{}]*\})?([^{}]*)\{[12][^{}]*\}")
 _CALL_SIGN = re.compile(r"(?<!\w)[^\W\d_]\w+ $")
 """The word before two digits that are read one by one, as in `Alpha 2-1`; it has a capital."""
+_LISTED_NUMBER = re.compile(r"\d+\.?")
 _OTHER_DIGIT = re.compile(r"(?![0-9])\d")
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)*")
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
@@ -130,6 +131,10 @@ class AbbreviationKeys:
             for before, after, endings in forms.rank_cases
         ]
         between = re.escape(forms.thousands) + _SPACES
+        joins = "|".join(map(re.escape, forms.joins))
+        item = r"\d\d?(?![^\W_]|[.:]\d)\.?"
+        comma = rf"(?:,|,? (?:{joins})) "
+        self._lists = joins and re.compile(rf"(?<![\w.,:/-]){item}(?:{comma}{item})+")
         self._grouped = re.compile(
             rf"(?<!\d[{_SPACES}])(?:(?!0)\d{{1,3}}(?:[{between}]\d{{3}})+|\d\d?(?:,\d\d)+,\d{{3}})"
             rf"(?![{between}]?\d)"
@@ -180,10 +185,13 @@ class AbbreviationKeys:
         ways = [_SHOUTED.sub(lambda word: word[0].lower(), text)] if text.isupper() else []
         ways += [_SHOUTED.sub(lambda word: word[0].capitalize(), one) for one in ways]
         calm = [one for one in ways if len(one) == len(text)]
+        alike = {one.start: one for one in self._alike(text)}
         while start := self._starts.search(plain, at):
             at = start.end()
-            if start[0] in self._ends:
-                yield Replacement(*start.span(), self._ends[start[0]])
+            if start[0] in self._ends or start.start() in alike:
+                said = Replacement(*start.span(), self._ends.get(start[0], ""))
+                yield (said := alike.get(start.start(), said))
+                at = said.stop
                 continue
             pairs = {(one[at - 1], two) for one in (text, *calm) for two in (one[at : at + 1], "")}
             within = start[0].isalpha() and is_spaced(text[max(at - 2, 0) : at - 1])
@@ -206,6 +214,34 @@ class AbbreviationKeys:
                 at = number.end()
                 if number[0] != written[number.start() : at]:
                     yield Replacement(*number.span(), number[0])
+
+    def _alike(self, text: str) -> Iterator[Replacement]:
+        """Yield numbers of lists, such as `3., 5. und 9. Mai`, in the form of the last of each."""
+        for listed in self._lists.finditer(text) if self._lists else ():
+            before = text[max(listed.start() - SEEN_KEY_CHARS, 0) : listed.start()]
+            after = text[listed.end() : listed.end() + 2 * SEEN_KEY_CHARS]
+            *others, last = _LISTED_NUMBER.finditer(listed[0])
+            found, form, rest = self._form(before, last[0] + after)
+            for one in others if found else ():
+                same, own, _ = self._form(before, one[0] + after)
+                start = listed.start() + one.start()
+                if same and own == form:
+                    yield Replacement(start, start + len(one[0]), self._expanded(same, own).strip())
+            # words before the list show the case of the last, too
+            if found and found.start() < len(before):
+                start = listed.start() + last.start()
+                stop = start + found.end() - len(before)
+                yield Replacement(start, stop, self._expanded(found, form + rest).lstrip())
+
+    def _form(self, before: str, after: str) -> tuple[re.Match[str] | None, str, str]:
+        """Return the match of a number after some words, the form of its word, and what follows."""
+        starts = [*map(re.Match.start, re.finditer(r"\b\w", before)), len(before)]
+        for found, read in (self._match(before + after, start) for start in starts):
+            for place in range(1, 1 + (found.lastindex or 0)) if found else ():
+                form = re.search(rf"[^ ]*\{{{place}:[^ ]*", read)
+                if found and form and found.start(place) == len(before):
+                    return found, form[0], read[form.end() :]
+        return None, "", ""
 
     def _read(self, found: re.Match[str], read: str) -> tuple[int, str]:
         """Return the end and the words of a match; a unit after `3-5` is one of the last number."""
@@ -270,25 +306,21 @@ class AbbreviationKeys:
             fits = _fits(found, titled, particle, "!?,;" if rank and key[-1] == "." else "")
             # the full stop of `por. idzie` ends no sentence
             goes_on = key[2:].endswith(".") and after[:1] in _SPACES and after[1:].islower()
-            nameless = rank and not fits and (alone == titled or (not alone and goes_on))
-            if nameless or (fits and choosy):
-                words = self._in_case(titled, found, named=fits)
-            else:
-                words = titled if fits else alone
+            case = self._case(found, named=fits) if rank or (fits and choosy) else None
+            shown = goes_on or case is not None
+            nameless = rank and not fits and (alone == titled or (not alone and shown))
+            words = _inflected(titled, case or {}) if fits or nameless else alone
+            words += "." * (nameless and not goes_on and key[-1] == ".")
             if words and (glued or not (in_word and is_spaced(after[:1]))):
                 best, read = found, words
         return best, read
 
-    def _in_case(self, rank: str, found: re.Match[str], *, named: bool) -> str:
-        """Return a rank in the first case that the text around it shows."""
-        name = found.end() + (_seen_after(found)[:1] in {*_SPACES})
-        for around, endings in self._cases:
-            if around.fit(found.string, found.start(), name if named else len(found.string)):
-                return " ".join(
-                    next((w[:at] + endings[w[at:]] for at in range(len(w)) if w[at:] in endings), w)
-                    for w in rank.split(" ")
-                )
-        return rank
+    def _case(self, found: re.Match[str], *, named: bool) -> Mapping[str, str] | None:
+        """Return the endings of the first case that the text around a rank shows."""
+        text, start = found.string, found.start()
+        name = found.end() + (_seen_after(found)[:1] in {*_SPACES}) if named else len(text)
+        fitting = (endings for around, endings in self._cases if around.fit(text, start, name))
+        return next(fitting, None)
 
     def _expanded(self, found: re.Match[str], read: str) -> str:
         """Return the expansion of a key with its numbers, and spaces before and after words."""
@@ -329,6 +361,14 @@ class AbbreviationKeys:
         left = " " if beside and read[:1].isalnum() else ""
         right = " " if is_spaced(rest[:1]) and counts(read[-1:] or " ") else ""
         return left + read + right
+
+
+def _inflected(rank: str, endings: Mapping[str, str]) -> str:
+    """Return a rank with the endings of a case, the longest first."""
+    return " ".join(
+        next((w[:at] + endings[w[at:]] for at in range(len(w)) if w[at:] in endings), w)
+        for w in rank.split(" ")
+    )
 
 
 def _digits(grouped: re.Match[str]) -> str:

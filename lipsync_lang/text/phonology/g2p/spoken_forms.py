@@ -34,6 +34,7 @@ class SpokenForms:
     rank_cases: tuple[tuple[str, str, Mapping[str, str]], ...] = ()
     letters: Mapping[str, str] = field(default_factory=dict)
     repeated: Mapping[str, str] = field(default_factory=dict)
+    joins: tuple[str, ...] = ()
     numbers: NumberTables = field(default_factory=dict)
     counted: tuple[str, ...] = ()
     named: tuple[str, ...] = ()
