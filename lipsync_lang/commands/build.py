@@ -315,7 +315,7 @@ def _report(
 
         report(project, outcome, chain(outcome.lines(), refused), tally, reports)
     over = [*islice(tally.past_limits, SHOWN_LINES)]
-    gone = [path for _, record in outcome.plan.gone for path in record.outputs]
+    gone = [path for _, outputs in outcome.plan.gone for path in outputs]
     figures = {
         "lines": len(project.lines),
         "built": sum(not one.failed for one in outcome.built.values()),

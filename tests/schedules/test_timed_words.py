@@ -207,6 +207,6 @@ def test_a_script_of_timed_words_is_counted_by_its_text(tmp_path):
 
 def test_a_build_fills_the_timed_words_of_a_line(tmp_path, speaker):
     (tmp_path / "a.csv").write_text("word,start,end\nma,0.1,0.3\n")
-    line = PlannedLine("a", "english", "facefx", "", "", "script.csv:2", Path("a.csv"), None, ())
+    line = PlannedLine("a", "english", "facefx", "", "", "script.csv:2", "a.csv", None, ())
     (made,) = schedules(tmp_path, [line], SimpleNamespace(speaker=speaker))
     assert made.labels == (SILENCE, "m", "æ")

@@ -7,6 +7,7 @@ times are fixed. Outputs that stand on the disk are compared with the record of 
 """
 
 import os
+import re
 import struct
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext, suppress
@@ -23,6 +24,8 @@ from lipsync_lang.production.builds.digests import output_digest, output_file_di
 from lipsync_lang.production.builds.takes import TAKES_SUFFIX, archive_of, write_takes
 
 ARCHIVE_SUFFIXES = (".zip", TAKES_SUFFIX)
+
+ARCHIVED = re.compile("|".join(map(re.escape, ARCHIVE_SUFFIXES)), re.IGNORECASE).search
 
 TAKE_SUFFIX = ".keys"
 """End of the name of every member of an archive of takes."""
@@ -57,15 +60,12 @@ class Member(NamedTuple):
 def split_archive(path: str) -> tuple[str, str] | None:
     """Split an output's path into an archive and its member; None for a separate file.
 
-    Examples
-    --------
-    >>> from lipsync_lang.production.builds.archives import split_archive
     >>> split_archive("takes/english-crab.zip/act1/l1.csv")
     ('takes/english-crab.zip', 'act1/l1.csv')
     >>> split_archive("takes/l1.zip") is None
     True
     """
-    if not any(suffix in path.lower() for suffix in ARCHIVE_SUFFIXES):
+    if not ARCHIVED(path):
         return None
     # Most outputs are files of their own, and a million paths are split in a build: the search for
     # a suffix above is cheap, parts of paths are not.

@@ -54,7 +54,7 @@ class OutputKeeper:
         standing = StandingOutputs(self.folder)
         for one in made:
             step = self.steps[one.built.line.key]
-            outputs = dict(step.record.outputs) if step.record is not None else {}
+            outputs = self.records.outputs(one.built.line.key)
             for file in one.files:
                 # Again, since the plan is older than the line: somebody may have written the file
                 # meanwhile.
@@ -104,8 +104,8 @@ def prune(plan: BuildPlan, folder: Path, records: Records) -> list[str]:
     standing = StandingOutputs(folder)
     deleted = [
         path
-        for _, record in plan.gone
-        for path, written in record.outputs.items()
+        for _, outputs in plan.gone
+        for path, written in outputs.items()
         if standing.is_within(path) and standing.digest(path) == written.digest
     ]
     standing.delete(deleted)

@@ -108,10 +108,10 @@ def check_links(paths: Iterable[tuple[Loc, str]], folder: Path, faults: ScriptFa
             faults.state(loc, "P106", what, "remove the link, or allow its target: --path FOLDER")
 
 
-def recorded_path(folder: Path, path: Path) -> str:
+def recorded_path(folder: Path, path: str) -> str:
     """Return a file as records name it: from the project's folder, or in full outside of it.
 
-    >>> recorded_path(Path("/game"), Path("/game/vo/l1.wav"))
+    >>> recorded_path(Path("/game"), "/game/vo/l1.wav")
     'vo/l1.wav'
     """
-    return str(path).removeprefix(f"{folder}{os.sep}")
+    return path.removeprefix(f"{folder}{os.sep}")

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal, NamedTuple
 
 from lipsync_lang.schedules.schedule import DOUBTFUL
@@ -30,8 +29,8 @@ class PlannedLine:
     text : the text as the table has it, with its marks of emphasis; empty for timings alone
     speaker : name of the speaker in the table; may be empty
     place : `file:line` of the text
-    timings : file of its timed phonemes, or None
-    audio : file of its recording, or None
+    timings : path of its timed phonemes, or None
+    audio : path of its recording, or None
     outputs : files to write, as (writer, path from the project's folder)
     """
 
@@ -41,8 +40,8 @@ class PlannedLine:
     text: str
     speaker: str
     place: str
-    timings: Path | None
-    audio: Path | None
+    timings: str | None
+    audio: str | None
     outputs: tuple[tuple[str, str], ...]
 
     @property

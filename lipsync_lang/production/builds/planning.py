@@ -1,9 +1,11 @@
 """Compare the lines of a script with the record of the last build, to find stale lines."""
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import groupby, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -58,7 +60,6 @@ STANDING = ("edited", "unknown")
 """States of an output that a build must not replace."""
 
 NO_OUTPUTS: Mapping[str, OutputRecord] = {}
-"""Outputs of a record whose line stays as it is: nobody asks for them again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +75,7 @@ class PlannedStep:
     unknown: tuple[str, ...] = ()
     """Outputs that stand where no build wrote."""
     record: LineRecord | None = None
-    """Record of the last build; with outputs if there is a reason."""
+    """Record of the last build without outputs; None with a reason."""
 
     @property
     def making(self) -> PlannedLine:
@@ -87,10 +88,10 @@ class PlannedStep:
 
 @dataclass(frozen=True)
 class BuildPlan:
-    """All lines of a project, and records without a line."""
+    """All lines of a project, and the outputs of records without a line."""
 
     steps: tuple[PlannedStep, ...]
-    gone: tuple[tuple[Key, LineRecord], ...] = ()
+    gone: tuple[tuple[Key, Mapping[str, OutputRecord]], ...] = ()
 
     @property
     def stale(self) -> tuple[PlannedStep, ...]:
@@ -130,53 +131,55 @@ def plan(  # noqa: PLR0913 the lines, records and options
     overwrite : write outputs that somebody changed, too
     """
     planner = _Planner(folder, needs, force, overwrite, StandingOutputs(folder))
-    keyed = {line.key: line for line in lines}
-    steps: dict[Key, PlannedStep] = {}
-    gone: list[tuple[Key, LineRecord]] = []
+    places = {line.key: at for at, line in enumerate(lines)}
+    steps: list[PlannedStep | None] = [None] * len(lines)
+    gone: list[tuple[Key, Mapping[str, OutputRecord]]] = []
+
+    @lru_cache(1)  # records are in the order of their pairs
+    def comparison(language: str, character: str) -> _PairComparison:
+        return _PairComparison(needs[language, character], records)
+
     for block in records.blocks():
-        gone += [(key, _made(record)) for key, record in block if key not in keyed]
-        known = [(key, record) for key, record in block if key in keyed]
-        changed = _changed_needs(known, records, needs)
-        for key, record in known:
-            steps[key] = planner.step(keyed[key], record, changed.get(key, ()))
-    ordered = (steps.get(key) or planner.step(line, None, ()) for key, line in keyed.items())
-    return BuildPlan(tuple(ordered), tuple(gone))
+        gone += [(key, record.outputs) for key, record in block if key not in places]
+        known = [(key, record) for key, record in block if key in places]
+        for pair, some in groupby(known, lambda one: one[0][:2]):
+            own = list(some)
+            told = comparison(*pair).changed([record.needs for _, record in own])
+            for (key, record), changed in zip(own, told, strict=True):
+                at = places[key]
+                steps[at] = planner.step(lines[at], record, changed)
+    found = (step or planner.step(line, None, ()) for line, step in zip(lines, steps, strict=True))
+    return BuildPlan(tuple(found), tuple(gone))
 
 
-def _made(record: LineRecord, **other: Any) -> LineRecord:
-    """Return a record without what only the comparison needs: a million of them are kept."""
-    return replace(record, inputs="", contents="", needs=b"", **other)
+class _PairComparison:
+    """Comparison of recorded needs with the packs of a pair; each need is computed once."""
 
+    def __init__(self, needs: PairNeeds, records: Records) -> None:
+        self._needs, self._records = needs, records
+        self._now = np.zeros(len(records.names) + 1, "<u8")
+        self._met = np.zeros(len(records.names) + 1, bool)
+        self._told: dict[int, str] = {}
 
-def _changed_needs(
-    known: Iterable[tuple[Key, LineRecord]], records: Records, needs: Needs
-) -> dict[Key, list[str]]:
-    """Return which needs of each line have changed, in words; one comparison a pair.
-
-    Lines without a change are left out.
-    """
-    grouped: dict[tuple[str, str], list[tuple[Key, bytes]]] = {}
-    for key, record in known:
-        grouped.setdefault(key[:2], []).append((key, record.needs))
-    out: dict[Key, list[str]] = {}
-    for pair, own in grouped.items():
-        every = np.frombuffer(b"".join(stated for _, stated in own), NEED)
-        if every["number"].max(initial=0) > len(records.names):
+    def changed(self, recorded: Sequence[bytes]) -> Iterator[list[str]]:
+        """Yield which needs of each line have changed, in words."""
+        every = np.frombuffer(b"".join(recorded), NEED)
+        numbers = every["number"]
+        if numbers.max(initial=0) >= len(self._now):
             raise unusable()
-        # Each need of a pair is computed once, and compared with all lines in one array.
-        used = np.flatnonzero(np.bincount(every["number"]))
-        values = [needs[pair].current(records.name(number)) for number in used.tolist()]
-        now = np.zeros(used.max(initial=0) + 1, "<u8")
-        now[used] = np.frombuffer(b"".join(values), "<u8")
-        other = np.flatnonzero(now[every["number"]] != every["digest"])
-        if other.size:
-            ends = np.cumsum([len(stated) for _, stated in own]) // NEED.itemsize
-            rows, numbers = ends.searchsorted(other, "right"), every["number"][other]
-            # each text is kept once for all lines: a stale line may have some tens of them
-            told = {n: f"{need_in_words(records.name(n))} changed" for n in used.tolist()}
-            for row, number in zip(rows.tolist(), numbers.tolist(), strict=True):
-                out.setdefault(own[row][0], []).append(told[number])
-    return out
+        new = np.unique(numbers[~self._met[numbers]])
+        values = [self._needs.current(self._records.name(number)) for number in new.tolist()]
+        self._now[new] = np.frombuffer(b"".join(values), "<u8")
+        self._met[new] = True
+        other = np.flatnonzero(self._now[numbers] != every["digest"])
+        found, told = numbers[other].tolist(), self._told
+        # All lines share the text of a change: a stale line may have some tens of them.
+        for number in {*found} - told.keys():
+            told[number] = f"{need_in_words(self._records.name(number))} changed"
+        words = [told[number] for number in found]
+        ends = np.cumsum([len(stated) for stated in recorded]) // NEED.itemsize
+        for first, last in pairwise((0, *other.searchsorted(ends).tolist())):
+            yield words[first:last]
 
 
 @dataclass
@@ -213,10 +216,11 @@ class _Planner:
                 reasons.append(f"{path} {REMAKE_REASONS[state]}")
         if line.outputs and len(kept) == len(line.outputs):
             reasons = []
-        if record is not None:
-            record = _made(record) if reasons else _made(record, outputs=NO_OUTPUTS)
-        made = text if reasons else ""
-        return PlannedStep(line, made, tuple(reasons), tuple(kept), tuple(unknown), record)
+        if reasons:
+            return PlannedStep(line, text, tuple(reasons), tuple(kept), tuple(unknown))
+        # Without what only the comparison needs: a million records are kept.
+        known = record and record._replace(inputs="", contents="", needs=b"", outputs=NO_OUTPUTS)
+        return PlannedStep(line, "", (), tuple(kept), tuple(unknown), known)
 
     def _inputs_changed(
         self, inputs: Mapping[str, Any], text: str, record: LineRecord

@@ -16,7 +16,7 @@ from fnmatch import fnmatchcase
 from fractions import Fraction
 from pathlib import Path, PurePath
 from tempfile import mkdtemp
-from typing import Self
+from typing import Any, Self
 from zlib import crc32
 
 import numpy as np
@@ -242,20 +242,13 @@ class ProjectBuild:
         """Resolve every pair of the lines; set pairs with faults aside for the report."""
         motion = self.project.motion
         stated = None if motion is None else motion.model_dump(exclude_none=True)
-        for language, character in dict.fromkeys(
-            (one.language, one.character) for one in self.lines
-        ):
+        asked: dict[str, Any] = {"paths": (*paths,), "motion": stated}
+        for pair in dict.fromkeys((one.language, one.character) for one in self.lines):
             try:
-                performer = resolve(
-                    language,
-                    character,
-                    paths=tuple(paths),
-                    motion=stated,
-                    shades=self.project.shades,
-                )
-                self.pairs[language, character] = PairNeeds(performer, self.settings)
+                performer = resolve(*pair, shades=self.project.shades, **asked)
+                self.pairs[pair] = PairNeeds(performer, self.settings)
             except LipsyncError as error:
-                self.unsound[language, character] = error
+                self.unsound[pair] = error
 
     def adapt(self, lines: Sequence[PlannedLine], remark: PlanRemark) -> None:
         """Adapt the acoustic model of each language to its recordings in the whole script."""
@@ -297,7 +290,7 @@ class ProjectBuild:
         """Compare the lines with the record of the last build; see `planning.plan`."""
         sound = [line for line in self.lines if (line.language, line.character) in self.pairs]
         made = plan(sound, self.folder, records, self.pairs, force=force, overwrite=overwrite)
-        stated = {line.key for line in self.lines}
+        stated = {line.key for line in self.lines} if made.gone else ()
         gone = tuple(one for one in made.gone if not self.selection and one[0] not in stated)
         return replace(made, gone=gone)
 
@@ -325,7 +318,7 @@ def planning_faults(file: Path, paths: Iterable[Path] = ()) -> list[Fault]:
         # A project without a script serves commands of single lines.
         return found if pack.model.lines else [one for one in found if one.code == "P404"]
     reasons: dict[str, list[str]] = {}
-    timed = sorted({line.timings for line in build.lines if line.timings})
+    timed = map(Path, sorted({line.timings for line in build.lines if line.timings}))
     found += check_files(pack, timed)
     for (language, character), why in build.unsound.items():
         if isinstance(why, PackFaults):

@@ -9,7 +9,6 @@ import sqlite3
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from sys import intern
@@ -52,6 +51,8 @@ CREATE TABLE IF NOT EXISTS line (
 
 SELECT_RESULT = "SELECT result FROM line WHERE language = ? AND character = ? AND name = ?"
 
+SELECT_OUTPUTS = SELECT_RESULT.replace("result", "outputs")
+
 DELETE_LINE = "DELETE FROM line WHERE language = ? AND character = ? AND name = ?"
 
 _ENCODER = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"))
@@ -68,8 +69,7 @@ class OutputRecord(NamedTuple):
     """Digest of the file that it replaced; empty for none."""
 
 
-@dataclass(frozen=True, slots=True)
-class LineRecord:
+class LineRecord(NamedTuple):
     """Inputs of a line as it was made, and its outcome.
 
     Parameters
@@ -179,6 +179,11 @@ class Records:
         """Return the result of a line."""
         row = self._base.execute(SELECT_RESULT, key).fetchone()
         return from_json(row and row[0], list)
+
+    def outputs(self, key: Key) -> dict[str, OutputRecord]:
+        """Return the outputs of a line by path, as the last build left them."""
+        (text,) = self._base.execute(SELECT_OUTPUTS, key).fetchone() or ("{}",)
+        return {path: OutputRecord(*one) for path, one in from_json(text).items()}
 
     def name(self, number: int) -> str:
         """Return the name of a need."""

@@ -211,12 +211,10 @@ class ScriptPlanner:
                 self._lacking["text"][index].add(place)
                 continue
             for character in characters:
-                outputs = tuple(
-                    [
-                        (writer, for_line(pattern, row.name, row.speaker))
-                        for writer, pattern in self._outputs[index, character]
-                    ]
-                )
+                outputs = [
+                    (writer, for_line(pattern, row.name, row.speaker))
+                    for writer, pattern in self._outputs[index, character]
+                ]
                 yield PlannedLine(
                     name=row.name,
                     language=self._languages[index].name,
@@ -226,7 +224,7 @@ class ScriptPlanner:
                     place=place,
                     timings=timings,
                     audio=audio,
-                    outputs=outputs,
+                    outputs=tuple(outputs),
                 )
 
     def _sound_names(self, file: ScriptFile, row: ScriptRow, place: str) -> bool:
@@ -262,7 +260,7 @@ class ScriptPlanner:
             self._spelled[key] = name
         return True
 
-    def _files(self, index: int, row: ScriptRow, text: str) -> tuple[Path | None, Path | None]:
+    def _files(self, index: int, row: ScriptRow, text: str) -> tuple[str | None, str | None]:
         """Return the recording and the timings of a line, if they exist."""
         audio, timings = None, row.timings
         if index in self._timings:
@@ -380,11 +378,11 @@ class Listing(NamedTuple):
     place: str
     """The folder itself."""
 
-    def file(self, name: str, project: Path) -> Path:
-        """Return a file, and count it as used; a link out of the project is refused."""
-        found = Path(f"{self.place}/{name}")
+    def file(self, name: str, project: Path) -> str:
+        """Return a file's path, and count it as used; a link out of the project is refused."""
+        found = f"{self.place}{os.sep}{name}"  # a million path objects would fill the memory
         if name in self.links:
-            refuse_outside(found, project)
+            refuse_outside(Path(found), project)
         self.used.add(name)
         return found
 
@@ -396,14 +394,14 @@ class Recordings:
         self._folder = folder
         self._listings: dict[str, Listing] = {}
 
-    def find(self, path: str) -> Path | None:
+    def find(self, path: str) -> str | None:
         """Return the file of a path from the folder; other case or normal form counts as well."""
         at, _, name = path.rpartition("/")
         listing = self._listing(at)
         found = listing.names.get(folded_name(name)) if listing.names else None
         return None if found is None else listing.file(found, self._folder)
 
-    def timings_beside(self, path: str, taken: Callable[[], Collection[str]]) -> Path | None:
+    def timings_beside(self, path: str, taken: Callable[[], Collection[str]]) -> str | None:
         """Return the file of timings that has the stem of a recording, but none of `taken`.
 
         Suffixes that only timings have come first. A file that cannot be read counts as timings,

@@ -57,7 +57,7 @@ class ScriptRow(NamedTuple):
     speaker: str
     texts: tuple[tuple[int, str], ...]
     """Texts by index of the language; empty where it is not translated."""
-    timings: Path | None = None
+    timings: str | None = None
     """File of timed phonemes that is a line by itself."""
 
 
@@ -106,7 +106,7 @@ def read_rows(
             met.add(tuple(line.text for line in lines))
             for line, name in zip(lines, _identifiers(lines), strict=True):
                 number = line.place.rpartition(":")[2]
-                timings = file.path if line.schedule is not None else None
+                timings = str(file.path) if line.schedule is not None else None
                 row = rows.get(name) or ScriptRow(number, name, line.speaker, (), timings)
                 rows[name] = row._replace(texts=(*row.texts, (index, line.text)))
         if len(met) < len(file.languages):  # a file of several languages has other texts in each

@@ -78,6 +78,19 @@ def test_stale_lines_share_the_words_of_their_reasons(monkeypatch):
     assert len({id(one) for one in reasons}) == len({*reasons}) < len(reasons)
 
 
+@pytest.mark.usefixtures("built")
+def test_a_stale_line_keeps_text_alone_beside_its_reasons(monkeypatch):
+    monkeypatch.setattr(needs.PairNeeds, "current", lambda *_: bytes(8))
+    project = ProjectBuild.open()
+    with Records.open(project.folder) as known:
+        stale = project.plan(known).stale
+    assert stale
+    for step in stale:
+        assert step.record is None
+        assert type(step.line.timings) is str
+        assert {*map(type, step.reasons)} == {str}
+
+
 def test_an_edited_bigram_remakes_the_lines_that_contain_it(built):
     before = built.takes()
     built.bank(0.5)

@@ -1,7 +1,6 @@
 """Timing of lines from their files, many at once and in order."""
 
 import json
-from pathlib import Path
 from types import SimpleNamespace
 
 from lipsync_lang.base.errors import SpeechError
@@ -23,8 +22,7 @@ class Voice:
 
 def line(name, text="", audio=None, timings=None):
     """Return a planned line."""
-    paths = [None if path is None else Path(path) for path in (audio, timings)]
-    return PlannedLine(name, "english", "facefx", text, "", "script.csv:2", paths[1], paths[0], ())
+    return PlannedLine(name, "english", "facefx", text, "", "script.csv:2", timings, audio, ())
 
 
 def test_each_line_is_timed_by_what_it_has(tmp_path, monkeypatch):

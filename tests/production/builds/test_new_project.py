@@ -299,7 +299,7 @@ def test_names_of_files_may_have_signs_that_a_project_reads_otherwise(cli, game,
     assert ended.code == 0
     lines = read_script(load_project(game / "lipsync.yaml"))
     assert [line.audio for line in lines] == [
-        game / f"vo {name}" / f"{key}.wav" for key in ("intro_1", "intro_2", "outro_1")
+        str(game / f"vo {name}" / f"{key}.wav") for key in ("intro_1", "intro_2", "outro_1")
     ]
     assert cli("coverage").code == 0
 

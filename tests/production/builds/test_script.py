@@ -221,10 +221,10 @@ def test_recordings_and_the_timings_beside_them_are_found(game):
     lines = {(one.language, one.name): one for one in planned(game, remarks)}
     found = lines["english", "intro_1"]
     assert (found.audio, found.timings) == (
-        game / "vo/english/intro_1.WAV",
-        game / "vo/english/intro_1.TextGrid",
+        str(game / "vo/english/intro_1.WAV"),
+        str(game / "vo/english/intro_1.TextGrid"),
     )
-    assert lines["german", "intro_1"].timings == game / "vo/german/intro_1.json"
+    assert lines["german", "intro_1"].timings == str(game / "vo/german/intro_1.json")
     assert lines["german", "intro_2"].timings is None, "a transcript is no timings"
     assert remarks == [
         "english: 1 line without a recording, so a voice speaks: vo/english/intro_2.wav",
@@ -236,7 +236,7 @@ def test_recordings_and_the_timings_beside_them_are_found(game):
 def test_long_timings_beside_a_recording_are_found(game):
     rows = [{"label": "AA1", "start": at / 10, "end": (at + 1) / 10} for at in range(200)]
     put(game, "vo/english/intro_1.json", text=json.dumps({"phonemes": rows}))
-    assert planned(game)[0].timings == game / "vo/english/intro_1.json"
+    assert planned(game)[0].timings == str(game / "vo/english/intro_1.json")
 
 
 @pytest.mark.parametrize("text", ['{"phonemes": [{"label": "M"},]}', '[{"label": "M"'])
@@ -246,7 +246,7 @@ def test_damaged_timings_beside_a_recording_are_not_overlooked(game, text):
     put(game, "vo/english/intro_2.json", text='{"take": 3}')
     put(game, "vo/english/intro_2.txt", text="[sobs] Well met.")
     lines = {one.name: one for one in planned(game) if one.language == "english"}
-    assert lines["intro_1"].timings == game / "vo/english/intro_1.json", "its reader says why"
+    assert lines["intro_1"].timings == str(game / "vo/english/intro_1.json"), "its reader says why"
     assert lines["intro_2"].timings is None, "notes of another program"
 
 
