@@ -1,6 +1,6 @@
 """Teeth as a viewer sees them, on drawn mouths: none alone in "oo", none in m, on the lip in f.
 
-A round mouth is no shut one: it leaves a hole.
+A round mouth is no shut one: it leaves a hole. Rounded consonants look rounded from the front, too.
 
 Words are spoken by the German pack, which has all rounded vowels. A sample of a picture shows the
 material of the nearest triangle, so light and colours do not matter.
@@ -27,13 +27,22 @@ WORDS = tuple(
         "ʃ v ɪ m ə n", "m ɛ n", "z uː m", "b ɛ t",
     )
 )  # fmt: skip
-SIBILANTS = tuple(tuple(word.split()) for word in ("tʃ ɪ n", "ʃ iː", "f ɪ ʃ", "z uː", "z oː"))
+SIBILANTS = tuple(
+    tuple(word.split()) for word in ("tʃ ɪ n", "ʃ iː", "f ɪ ʃ", "ʃ uː", "ʒ uː", "z uː", "z oː")
+)
+ROUNDED = tuple(
+    tuple(word.split())
+    for word in ("s iː", "ʃ iː", "tʃ ɪ n", "dʒ ɛ t", "ɪ ʒ ə", "ɹ ɛ d", "ɪ ɹ ɪ", "f ɜː", "w ɪ")
+)
 INSIDE = ("teeth", "mouth", "gums", "tongue")
 
 
-def seen(head, said=WORDS):
-    """Yield the word, the sound, and the samples of each part of the mouth in the middle of it."""
-    performer = ll.resolve("german", head)
+def seen(head, said=WORDS, language="german"):
+    """Yield the word, the sound, and what is seen in the middle of it.
+
+    That is the samples of each part of the mouth, and how far the hole goes across the lips.
+    """
+    performer = ll.resolve(language, head)
     labels = ["_", *chain.from_iterable([*word, "_"] for word in said)]
     seconds = [PAUSE if label == "_" else SOUND for label in labels]
     times = np.cumsum([0.0, *seconds])
@@ -51,9 +60,16 @@ def seen(head, said=WORDS):
             keys = np.zeros(SIDE * SIDE, np.uint64)
             fill(keys, Window(0, 0, SIDE, SIDE), corners[faces], depth[faces], faces)
             triangles = shown(keys)
-            parts = names[scene.material[triangles[triangles >= 0]]]
+            parts = names[np.where(triangles >= 0, scene.material[triangles], -1)]
             count = {part: int((parts == part).sum()) for part in (*INSIDE, "lips")}
-            yield " ".join(word), labels[number], count
+            hole = across(parts.reshape(SIDE, SIDE))
+            yield " ".join(word), labels[number], count | {"across": hole}
+
+
+def across(image):
+    """Return the width of the hole that is seen, as a share of that of the lips."""
+    hole, lips = (np.isin(image, some).any(axis=0).nonzero()[0] for some in (INSIDE, ["lips"]))
+    return np.ptp(hole) / np.ptp(lips) if len(hole) else 0.0
 
 
 def faults(head):
@@ -83,6 +99,14 @@ def test_the_teeth_of_the_shipped_head_meet_before_the_tongue_in_sibilants():
         if sound in {"tʃ", "ʃ", "z"}:
             most = 0.7 if sound == "z" else 0.8
             assert count["teeth"] > most * sum(count[part] for part in INSIDE), word
+
+
+def test_rounded_consonants_of_the_shipped_head_look_rounded_from_the_front():
+    for word, sound, found in seen("facefx", ROUNDED, "english"):
+        if sound in {"ʃ", "tʃ", "dʒ", "ʒ", "ɹ", "ɜː", "w"}:
+            assert 0.3 < found["across"] < 0.7, (word, sound)
+        if sound in {"s", "iː"}:
+            assert found["across"] > 0.75, (word, sound)
 
 
 @full
