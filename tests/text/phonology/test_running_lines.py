@@ -4,7 +4,7 @@ import csv
 from collections import defaultdict
 from dataclasses import replace
 from pathlib import Path
-from re import fullmatch
+from re import fullmatch, search
 from unicodedata import normalize
 
 import pytest
@@ -36,6 +36,12 @@ OTHER_READINGS = {"slt": "salut", "Đ/c": "địa chỉ", "Πλ.": "Πλατεί
 CURSING = sorted(
     {one.name for one in LIBRARY.names("language") if b"\n  curses:" in one.path.read_bytes()}
 )
+
+
+COUNTING = sorted(
+    {one.name for one in LIBRARY.names("language") if b"{decimal_unit}" in one.path.read_bytes()}
+)
+assert COUNTING
 
 
 def bare_letters(words):
@@ -161,6 +167,17 @@ def test_each_number_of_a_list_has_the_form_of_the_last(numbers, join):
         written = f"{before} {written} {join} {last}. {after}"
         read = respelled(written, Expansions(forms).find(written))
         assert read.casefold() == said.casefold()
+
+
+@pytest.mark.parametrize("name", COUNTING)
+def test_a_number_with_decimals_has_one_unit(name):
+    # rules of a noun have no word for a decimal, and would say it before and after the sign
+    text = LIBRARY.language(name).model.text
+    expansions = Expansions(Speaker.of(name).manner.forms)
+    units = [key for key, read in text.abbreviations.items() if fullmatch(r"# ?[^#~*{}\d]+", key)]
+    for key in (one for one in units if "} {1:" in text.abbreviations[one]):
+        written = key.replace("#", "2,5")
+        assert not search(r"[^\W\d],[^\W\d]", respelled(written, expansions.find(written)))
 
 
 @pytest.mark.parametrize(

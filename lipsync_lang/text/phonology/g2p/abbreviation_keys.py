@@ -384,7 +384,8 @@ def is_spaced(char: str) -> bool:
 
 def _either(key: str) -> str:
     """Return the first letter of a key; that of a word may be a capital, as in a sentence."""
-    capital = key[0].upper() if key[0].islower() and key[1:2] != "#" else ""  # `x3` is no `BMW X3`
+    # `x3` is no `BMW X3`, and `u. ` no `U. Thurman`
+    capital = key[0].upper() if key[0].islower() and key[1:2] != "#" and key[1:] != ". " else ""
     return key[0] + (capital if len(capital) == 1 else "")
 
 
