@@ -355,7 +355,7 @@ def styles(path: Path) -> None:
         draw.text((left + side / 2, top + 2), style, INK, font=font, anchor="ma")
         for row, image in enumerate(images):
             page.paste(image, (left, top + FOOT + row * side))
-    page.quantize(64, dither=Image.Dither.NONE).save(path, optimize=True)
+    page.quantize(160, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def recording(path: Path) -> None:
