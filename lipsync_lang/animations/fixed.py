@@ -2,7 +2,7 @@
 
 The lists are text files in `names/`, with one name per line in file order: first the shapes, then,
 after an empty line, the rotations of head and eyes, of which only those of the head move. Columns
-match shapes by the name rules of `rigs/shape_matching.py`, so spelling variants are accepted.
+match shapes by the name rules of `faces/rigs/shape_matching.py`, so spelling variants are accepted.
 """
 
 from collections.abc import Iterator, Sequence

@@ -2,5 +2,5 @@
 
 `yaml` reads text into data with positions, and defines faults. `models` holds one pydantic model
 per kind of pack. `finding` and `library` look packs up by name and load them. `checking` compares
-packs with each other. `editing` changes a file and keeps the author's formatting.
+packs with each other. `splicing` changes a file and keeps the author's formatting.
 """

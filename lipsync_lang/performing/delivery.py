@@ -65,6 +65,7 @@ def delivery(
         A style or region is unknown, a level is out of range, or the line has fewer words.
     """
     usual, special = compiled.delivery, compiled.line_deliveries.get(line or "", {})
+    # most lines have neither, and need no arrays
     if not (styles or dials or any(usual.values()) or any(special.values())):
         return (), ()
     own = [usual, special]
@@ -172,6 +173,7 @@ def in_words(seconds: float, schedule: "Schedule") -> float:
     start, end = spans[number]
     share = min(max((seconds - start) / (end - start), 0.0), 1.0)
     if number + 1 < len(spans):
+        # a share of 1 would be the start of the next word, which may follow a pause
         share = min(share, LAST_SHARE)
     return round(number + share, 4)
 
@@ -266,6 +268,7 @@ def corrected(
     If the text, the voice or the recording has changed since, phonemes or times are not used, and
     a remark says so.
     """
+    # the same line in another language has other phonemes
     if not stated or stated.get("language", compiled.language) != compiled.language:
         return schedule
     levels = dict(stated.get("emphasis", ()))
@@ -288,6 +291,7 @@ def corrected(
     if not stated.get("times"):
         return schedule
     times = schedule.times.copy()
+    # a shorter line lacks some of the boundaries; then none of them is moved
     known = [row for row in stated["times"] if row[0] < len(times)]
     for boundary, _, now in known:
         times[boundary] = now
@@ -343,6 +347,7 @@ def _laid(
     start, end = float(schedule.times[first]), float(schedule.times[stop])
     at = np.linspace(0, 1, RESOLUTION + 1)
     for pose, points in curves.items():
+        # the points of an edit are drawn as those of a bigram are
         values = bspline(np.array([points], np.float64), at)[0].clip(0, 1)
         yield Overlay(start, end, compiled.poses.index(pose), values)
 

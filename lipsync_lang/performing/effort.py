@@ -265,6 +265,7 @@ def loudness_dial(  # noqa: PLR0913, PLR0917 the loudness, and settings for it
         slow = levels(schedule, spoken, intensity, limits, reference)
         return frame_levels(slow, schedule, intensity, limits)
 
+    # another take of the line may have the same sound at other times
     given = (schedule.times.tobytes(), spoken.tobytes(), intensity, limits, reference)
     return Dial(poses, kept_with(schedule.audio, "loudness", given, level), "loudness")
 
@@ -291,8 +292,10 @@ def levels(
     powers = np.diff(energies(audio.samples, cuts))[spoken]
     counts = np.diff(cuts)[spoken]
     middles = ((times[:-1] + times[1:]) / 2)[spoken]
+    # sounds around count by their samples, so that long ones count for more
     first = np.searchsorted(middles, middles - AROUND_SECONDS)
     stop = np.searchsorted(middles, middles + AROUND_SECONDS, side="right")
+    # differences of running sums: a window costs the same however wide it is
     power, count = (
         np.append(0, np.cumsum(one))[stop] - np.append(0, np.cumsum(one))[first]
         for one in (powers, counts)
@@ -333,9 +336,11 @@ def frame_levels(
     if audio is None or len(slow.times) < 2:  # noqa: PLR2004 one sound has nothing to compare
         return slow
     first, last = slow.times[0], slow.times[-1]
+    # the last sound seldom ends on a step
     middles = np.append(np.arange(first, last, ENERGY_STEP_SECONDS), last)
     ends = (middles[:, None] + (-ENERGY_REACH_SECONDS, ENERGY_REACH_SECONDS)).clip(first, last)
     cuts = np.rint(ends * audio.rate).clip(0, len(audio.samples)).astype(np.intp)
+    # at the ends of a line a frame may hold no sample
     power = np.diff(energies(audio.samples, cuts))[:, 0] / np.diff(cuts)[:, 0].clip(1)
     decibels = 10 * np.log10(power.clip(FLOOR**2))
     share = ((decibels - np.median(decibels)) / ENERGY_SPAN).clip(-1, 1)

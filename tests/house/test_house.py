@@ -155,6 +155,8 @@ def test_the_picture_of_the_house_shows_these_arrows(root):
         if wing(here) != wing(there) and not here.startswith("__")
     }
     assert drawn["matrix"](wings).endswith("in a ring: none")
+    page = (root / "docs/explanation/house.md").read_text("utf-8")
+    assert drawn["matrix"](wings) in page, "`python docs/draw_house.py` draws what the page shows"
     ring = {"one": {"other"}, "other": {"one"}}
     assert drawn["matrix"](ring).endswith("in a ring: one, other")
 

@@ -35,6 +35,7 @@ def read_json(path: Path, content: bytes) -> Recording:
     names = document.get("poses")
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         fail(path, "its poses are not a list of names", ANIMATION_FORM)
+    # the names are checked: frames are counted by them
     frames = _frames(path, document)
     fps, start = (_number(path, document, key) for key in ("fps", "start"))
     if fps <= 0:

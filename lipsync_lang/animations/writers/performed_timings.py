@@ -61,5 +61,6 @@ def write_timings(animation: Animation, out: TextIO) -> None:
 
 def _moved(animation: Animation) -> Schedule:
     """Return the schedule on the timeline of output files."""
+    # an offset makes room before the first sound, in the animation as in its sound
     schedule = animation.schedule
     return replace(schedule, times=schedule.times + animation.offset)

@@ -82,6 +82,7 @@ def _from_rest_to_rest(points: tuple[tuple[float, float], ...]) -> tuple[tuple[f
         raise PydanticCustomError(
             "P113", what, {"at": 0 if points[0] != (0, 0) else len(points) - 1}
         )
+    # two points at one time would be a jump, which no speed allows
     for index, ((before, _), (time, _)) in enumerate(pairwise(points)):
         if time <= before:
             what = "times fall from {before} to {time}; the times of a gesture must rise"
@@ -172,6 +173,7 @@ class GestureByHand(Strict):
             raise PydanticCustomError(
                 "P115", what, {"field": "gesture" if self.at is None else "at"}
             )
+        # `at` is a time itself: a second one would only be added to it
         if self.word is None and self.after:
             raise PydanticCustomError("P115", "`after` needs the `word`", {"field": "after"})
         return self

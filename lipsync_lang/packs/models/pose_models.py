@@ -401,6 +401,7 @@ class BankPack(PackModel):
 
     @model_validator(mode="after")
     def _neutral_trigrams(self) -> Self:
+        # of a style, bigrams alone are blended over the neutral ones
         if self.trigrams and self.style != NEUTRAL_STYLE:
             what = "a bank of style '{style}' cannot draw trigrams"
             hint = "draw the bigrams of that style; they override neutral trigrams"
@@ -432,6 +433,7 @@ LevelNumber = Annotated[float, Field(ge=0, le=2)]
 
 def _points(value: Data) -> Data:
     """Turn one number into a constant level."""
+    # True is a number to Python, and a slip in a pack
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     return ((0, value),) if number else value
 

@@ -215,6 +215,7 @@ def _length(source: YamlSource, loc: Loc, report: PydanticError) -> tuple[str, s
 
 
 def _mend(sort: str, value: Data, *, needed: bool) -> str:  # noqa: PLR0911 one return for each cure
+    # YAML knows no wide colon: a key and its value became one text
     if isinstance(value, str) and "：" in value:
         return f"{NO_COLON}: write `{re.sub('： *', ': ', value, count=1)}`"
     if sort == "string_type" and not isinstance(value, (tuple, dict, NoneType)):
@@ -269,6 +270,7 @@ def _got(value: Data) -> str:
 def _elsewhere(loc: Loc) -> str:
     """Say which kinds of files have an unknown field at the top; empty if none or many do."""
     kinds = [kind for kind, made in MODELS.items() if len(loc) == 1 and loc[0] in made.model_fields]
+    # a field of many kinds says nothing about the file that was meant
     if not 1 <= len(kinds) <= MAX_KINDS:
         return ""
     extended = any("extends" in MODELS[kind].model_fields for kind in kinds)
@@ -289,6 +291,7 @@ def _fields(model: type[BaseModel], loc: Loc, *, required: bool = False) -> dict
             fields = [
                 (n, f) for n, f in kind.model_fields.items() if f.is_required() or not required
             ]
+            # files have the alias
             found |= {f.alias or n: texts.get(n, "") for n, f in fields}
     return found
 

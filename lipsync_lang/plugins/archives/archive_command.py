@@ -91,6 +91,7 @@ def apply(options: Namespace) -> int:
     from lipsync_lang.plugins.archives.archive_patches import patched
     from lipsync_lang.production.builds.takes import write_takes
 
+    # a whole file replaces the old one, so the archive may be its own output
     output = options.output or options.archive
     write_takes(output, patched(options.archive, options.patch))
     tell_written(output)

@@ -37,6 +37,7 @@ def engine(settings: Settings) -> G2PEngine:
     @lru_cache(CACHED_WORDS)
     def read_word(word: str) -> SpokenWord:
         labels = segments(transliterate(plain(word)), known)
+        # Epitran leaves digits as they are
         read = tuple(label for label in labels if not label.isdigit())
         unread = "".join(label for label in labels if label.isdigit())
         return SpokenWord(word, read, unread=unread)

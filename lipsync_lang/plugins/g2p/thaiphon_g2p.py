@@ -54,6 +54,7 @@ def engine(settings: Settings) -> G2PEngine:
         for word in filter(_ALPHANUMERIC.search, word_tokenize(run, keep_whitespace=False)):
             again = word == REPETITION_SIGN
             reader = labels_of if _SCRIPT_LETTER.search(word) else foreign
+            # a sign of repetition is a word of its own, said as the one before
             last = last if again else reader(word)
             yield SpokenWord(word, last, unread="" if last else word)
 

@@ -22,6 +22,7 @@ def whisper() -> Iterator[CheckedPart]:
     if find_spec("faster_whisper") is None:
         return
     own = [folder for folder in project_models() if is_whisper(folder)]
+    # a damaged model of the project is a fault, a missing one of a package is not
     for folder in own:
         try:
             check_folder(folder)

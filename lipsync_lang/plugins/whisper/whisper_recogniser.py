@@ -224,6 +224,7 @@ def language_code(model: WhisperModel, stated: str, language: str) -> str:
     known = model.languages
     if code in known:
         return code
+    # models of English alone are common, and their list has one name
     knows = f"only '{known[0]}'" if len(known) == 1 else f"{len(known)} others"
     raise SpeechError(
         f"this Whisper model does not know {language} ('{code}'), but {knows}; name the folder of "

@@ -91,6 +91,7 @@ def load_measures() -> dict[str, Measure]:
     ]
     for module in modules:
         import_module(module)
+    # another module may have imported one of them before
     ordered = sorted(MEASURES.values(), key=lambda known: modules.index(known.find.__module__))
     return {known.name: known for known in ordered}
 
@@ -98,6 +99,7 @@ def load_measures() -> dict[str, Measure]:
 def sentence(figure: Figure) -> str:
     """Return a figure in a sentence: its meaning, value and limit."""
     name, _, of = figure.name.partition(" ")
+    # the first sentence alone: the rest tells how it is measured
     meaning = load_measures()[name].told.split("\n")[0].split(". ")[0].rstrip(".")
     subject = f"{meaning} ({of})" if of else meaning
     if figure.value is None:

@@ -61,9 +61,11 @@ def _tiers(source: TimingFile) -> list[Tier]:
     """Return the phones of each speaker as a tier, and the words, if any, as another."""
     rows = _rows(source)
     line, first = next(rows, (1, []))
+    # the first row is a header, or shows by its numbers what the columns are
     columns = _columns(first)
     if not columns:
         raise source.fault("the first row must name the columns: label,start,end", line)
+    # without a header, the first row is a sound
     if TABLE_NUMBER.fullmatch(first[columns["start"]]):
         rows = chain([(line, first)], rows)
     only_words = columns["label"] == columns.get("word")

@@ -81,6 +81,7 @@ def _needs(workshop: Workshop) -> dict[str, tuple[int, str]]:
         counts[pair] += 1
         for word in schedule.words:
             if min(at, then) >= word.first and max(at, then) < word.stop:
+                # a bigram across two words has no word as its example
                 words.setdefault(pair, word.text)
     return {pair: (count, words.get(pair, "")) for pair, count in counts.items()}
 
@@ -138,6 +139,7 @@ def _home(workshop: Workshop, packs: PairPacks, pair: Pair, style: str) -> Json:
     own = {"character": workshop.shown(who) if who and workshop.own(who) else ""}
     try:
         path, here = bigram_home(packs, pair, workshop.project, workshop.own, style)
+    # the browser shows the reason beside the locked curve
     except LipsyncError as error:
         return own | {"stated": False, "file": "", "bank_kind": "bspline", "locked": str(error)}
     kinds = {pack.path: pack.model.interpolation for pack in (*packs.own_banks, *packs.banks)}
@@ -153,6 +155,7 @@ def _parted(packs: PairPacks, name: str) -> Pair | None:
     """Return the two phonemes of a bigram; None if there is no such bigram."""
     first, _, second = name.partition("-")
     known = packs.numbered
+    # silence alone makes no bigram
     there = first in known and second in known and {first, second} != {known[0]}
     return (first, second) if there else None
 

@@ -71,6 +71,7 @@ def timings(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     speaker = workshop.performer.speaker
     schedule = with_phonemes(speaker, found)
     workshop.performer.common_phonemes(schedule)  # refuses labels of no notation
+    # the words can be typed anew, unless they are a whole scene
     text = " ".join(word.text for word in schedule.words)
     workshop.take_up(schedule, text if len(text) <= MAX_TYPED_CHARS else "")
     return whole(workshop)
@@ -146,6 +147,7 @@ def _settings(stated: Any) -> LineSettings:
             raise LipsyncError("`styles`, `dials` and `bends` must be objects of names and levels")
         for level in table.values():
             points = level if isinstance(level, list) else [[level]]
+            # a level is one number, or points of time and number
             numbers += [number for point in points for number in listed(point, "numbers")]
     if not all(type(number) in {int, float} and isfinite(number) for number in numbers):
         raise LipsyncError("frame rate, intensity and levels must be numbers")
@@ -163,6 +165,7 @@ def whole(workshop: Workshop) -> PackedResponse:
         remarks = [*schedule.remarks, *label_remarks(workshop.performer.labels, schedule)]
         unread, audio = " ".join(schedule.unread), schedule.audio
         if audio is not None:
+            # a part of a long line is heard with a little of its neighbours
             first = max(0, int((schedule.start - SOUND_MARGIN_SECONDS) * audio.rate))
             stop = max(first, int((schedule.end + SOUND_MARGIN_SECONDS) * audio.rate))
             samples = packed.arrays.add(audio.samples[first:stop], "i2")
@@ -233,6 +236,7 @@ def beside(workshop: Workshop, request: StudioRequest) -> PackedResponse:
 
 def _rest(performer: Performer) -> Animation:
     """Perform rest, with the columns of gestures."""
+    # the first phoneme is silence
     schedule = Schedule((performer.compiled.phonemes[0],), np.array([0, 0.1]))
     return performer.perform(schedule, gestures=ALL)
 
@@ -251,6 +255,7 @@ def figures(workshop: Workshop, _: StudioRequest) -> Json:
 
 def script_lines(workshop: Workshop, request: StudioRequest) -> Json:
     """List lines of the script; without a query, the script is read first."""
+    # a search must not read the script again at each letter typed
     if not request.query:
         workshop.script.read()
     text, sought = request.query.get("first", "0"), request.query.get("sought", "")
