@@ -331,6 +331,14 @@ def test_many_words_that_are_said_are_kept_though_the_model_hears_them_badly():
     assert [word.text for word in found.words] == [word.text for word in known.words]
 
 
+def test_a_loud_word_that_is_like_silence_is_no_pause():
+    # the steady "em" of the voice is likelier as silence, and the word was left out
+    known = ll.speak("Ez az ember.", "hungarian")
+    found = ll.align(known.audio, "Ez az ember.", "hungarian", aligner="pocketsphinx")
+    assert [word.text for word in found.words] == ["Ez", "az", "ember"]
+    assert found.words[-1].start == pytest.approx(known.words[-1].start, abs=0.05)
+
+
 @pytest.mark.parametrize("word", swept(["most", "wonderful"]))
 def test_a_word_that_the_sound_lacks_is_left_out_unless_it_is_emphasised(english, word):
     spoken = english.speak("Please buy five maps for the journey home.")
@@ -422,8 +430,9 @@ def heard(fit, *lost):
         # the first window stayed behind the voice, and the second has no time for its words
         (heard(-1, *range(5)), heard(-0.5), 3000, heard(-0.5)),
         (heard(-1, *range(5)), heard(-2), 3000, heard(-1, *range(5))),
-        (heard(-1, *range(4)), heard(-0.5), 3000, heard(-1, *range(4))),
-        (heard(-1, *range(0, 2500, 500)), heard(-0.5), 3000, heard(-1, *range(0, 2500, 500))),
+        (heard(-1, 500), heard(-0.5), 3000, heard(-0.5)),
+        (heard(-1, 500), None, 3000, heard(-1, 500)),
+        (heard(-1, 500), heard(-0.5), 1600, heard(-1, 500)),
     ],
 )
 def test_a_text_lost_in_short_windows_is_sought_in_anchored_ones(

@@ -150,8 +150,7 @@ def aligned(
     speaker: Speaker, audio: SoundSource, text: str, *, aligner: str | None = None
 ) -> Schedule:
     """Align as `align` does, with a prepared language."""
-    (found,) = align_many(speaker, [(audio, text)], aligner=aligner)
-    return raised(found)
+    return raised(*align_many(speaker, [(audio, text)], aligner=aligner))
 
 
 def align_many(

@@ -94,8 +94,7 @@ def recognise(
 
 def recognised(speaker: Speaker, audio: SoundSource, *, recogniser: str | None = None) -> Schedule:
     """Recognise as `recognise` does, with a prepared language."""
-    (found,) = recognise_many(speaker, [audio], recogniser=recogniser)
-    return raised(found)
+    return raised(*recognise_many(speaker, [audio], recogniser=recogniser))
 
 
 def recognise_many(

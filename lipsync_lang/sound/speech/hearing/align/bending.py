@@ -36,7 +36,6 @@ REFINEMENT = 5
 TEMPO_LIMITS = (0.4, 2.5)
 """Tempo limits of the voice relative to the recording, lowest and highest."""
 
-
 TRACTS = (0.88, 0.94, 1.0, 1.06)
 """Candidate vocal tract lengths of the voice; the best fit is used."""
 
@@ -160,13 +159,8 @@ def _path(a: Floats, b: Floats) -> tuple[Ints, float]:
     what = "aligning by warping needs dtaidistance, which is not installed; get it with:"
     with needing(SpeechError, what, "audio"):
         from dtaidistance import dtw_ndim
-    way = dtw_ndim.warping_path(
-        np.ascontiguousarray(a),
-        np.ascontiguousarray(b),
-        use_c=True,
-        penalty=DRIFT_PENALTY,
-        inner_dist="euclidean",
-    )
+    both = map(np.ascontiguousarray, (a, b))
+    way = dtw_ndim.warping_path(*both, use_c=True, penalty=DRIFT_PENALTY, inner_dist="euclidean")
     path = np.array(way, np.intp)
     apart = np.linalg.norm(a[path[:, 0]] - b[path[:, 1]], axis=1)
     return path, float(apart.mean())

@@ -44,6 +44,12 @@ VARIANCE_FLOOR = 1e-4
 FAINTEST_LOG = -40.0
 """Log floor of a Gaussian relative to the nearest: negligible below, and slow to add."""
 
+LOUD_PAUSE_LOG = -10.0
+"""Most log likelihood of silence in a frame louder than the mean, relative to the best phoneme.
+
+A steady sound, such as a held vowel, is like silence in all but its loudness.
+"""
+
 
 class Phone(NamedTuple):
     """A phoneme in context: its number and states."""
@@ -167,6 +173,27 @@ class Listening:
         if (len(self._near) + 1) * near.size <= MAX_KEPT_CELLS:
             self._near[key] = found
         return found
+
+
+class FrameBests(NamedTuple):
+    """Log likelihoods per frame of the likeliest context-independent phoneme, (T,) each."""
+
+    speech: Singles
+    quiet: Singles
+    """Silence and noises instead of phonemes of speech."""
+    pause: Singles
+    """The most that silence may have between words."""
+
+    @classmethod
+    def of(cls, sound: Listening, alone: Singles) -> "FrameBests":
+        """Return those of a sound, by the scores of all such phonemes."""
+        best, model = alone.max(axis=2), sound.model
+        quiet = np.array([phone.number in model.fillers for phone in model.alone])
+        speech = best[:, ~quiet].max(axis=1)
+        # the first cepstrum is the loudness, less its mean
+        loud = sound.features.reshape(len(speech), -1)[:, 0] > 0
+        pause = np.where(loud, speech + np.float32(LOUD_PAUSE_LOG), np.float32(np.inf))
+        return cls(speech, best[:, quiet].max(axis=1), pause)
 
 
 def _product(many: Floats | Singles, few: Singles) -> Floats:

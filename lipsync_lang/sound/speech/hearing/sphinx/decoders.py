@@ -59,7 +59,6 @@ ReadAnswer = TypeVar("ReadAnswer")
 threads = local()
 """Decoders; each takes a second to load and some 100 MB, and serves one thread at a time."""
 
-
 Segment = tuple[str, int, float]
 """A word or phoneme of a decoder, its first frame, and its posterior probability."""
 

@@ -28,6 +28,7 @@ from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import (
     OUTSIDE,
     STATES,
     AcousticModel,
+    FrameBests,
     Listening,
     PhoneContext,
     WordPosition,
@@ -432,7 +433,7 @@ def _window(
         ends = range([node.word for node in graph.nodes].index(near), len(graph.nodes))
     scores = sound.scores([*model.alone, *model.phones(graph.contexts)])
     alone, scores = np.split(scores, [len(model.alone)], axis=1)
-    loop = _Loop.of(model, alone)
+    loop = FrameBests.of(sound, alone)
     decoded = partial(_likeliest, model, scores, loop, graph.nodes, graph.before, ends)
     if not (way := _truest_way(graph, words, range(done, stop), decoded)):
         return None
@@ -443,25 +444,10 @@ def _window(
     return _again(sound, loop, [(graph.nodes[run.phone], run) for run in way])
 
 
-class _Loop(NamedTuple):
-    """Log likelihoods per frame of the likeliest context-independent phoneme, (T,) each."""
-
-    speech: Singles
-    quiet: Singles
-    """Silence and noises instead of phonemes of speech."""
-
-    @classmethod
-    def of(cls, model: AcousticModel, alone: Singles) -> "_Loop":
-        """Return those of a sound, by the scores of all such phonemes."""
-        best = alone.max(axis=2)
-        quiet = np.array([phone.number in model.fillers for phone in model.alone])
-        return cls(best[:, ~quiet].max(axis=1), best[:, quiet].max(axis=1))
-
-
 def _likeliest(  # noqa: PLR0913, PLR0917 the scores, the graph and options
     model: AcousticModel,
     scores: Singles,
-    loop: _Loop,
+    loop: FrameBests,
     nodes: Sequence[Node],
     before: Sequence[Sequence[int]],
     ends: Sequence[int] | None,
@@ -473,6 +459,8 @@ def _likeliest(  # noqa: PLR0913, PLR0917 the scores, the graph and options
     # the text is near the best.
     scores[:, other] = (loop.speech + np.float32(OTHER_SOUND_LOG))[:, None, None]
     names = [model.silence if node.phone == OUTSIDE else node.phone for node in nodes]
+    quiet = np.equal(names, model.silence) & ~other
+    scores[:, quiet] = np.minimum(scores[:, quiet], loop.pause[:, None, None])
     skipped = np.array([node.word != OUTSIDE for node in nodes]) & other
     entered = np.where(skipped, prices, np.where(other, ENTER_OTHER_LOG, 0.0))
     entered[[node.word in spoken and node.phone == OUTSIDE for node in nodes]] = -np.inf
@@ -572,7 +560,9 @@ def _kept(way: Sequence[Run], nodes: Sequence[Node], limit: int) -> list[Run]:
     return [*way[: min(cuts, default=len(way))]]
 
 
-def _again(sound: Listening, loop: _Loop, way: Sequence[tuple[Node, Run]]) -> list[HeardPhoneme]:
+def _again(
+    sound: Listening, loop: FrameBests, way: Sequence[tuple[Node, Run]]
+) -> list[HeardPhoneme]:
     """Align phonemes again, each with its actual neighbours as context."""
     model, stop = sound.model, way[-1][1].stop
     nodes = [node for node, _ in way]
@@ -581,7 +571,7 @@ def _again(sound: Listening, loop: _Loop, way: Sequence[tuple[Node, Run]]) -> li
     contexts = [_context(model, node, around[n], around[n + 2]) for n, node in enumerate(nodes)]
     scores = sound.scores(model.phones(contexts))[:stop]
     before = [[n - 1] for n in range(len(nodes))]
-    loop = _Loop(loop.speech[:stop], loop.quiet[:stop])
+    loop = FrameBests(*(one[:stop] for one in loop))
     chain = _likeliest(model, scores, loop, nodes, before, [len(nodes) - 1])
     # Without a path in the real contexts, the frames of the first search stay.
     runs = chain or [run._replace(phone=n) for n, (_, run) in enumerate(way)]

@@ -27,7 +27,6 @@ from lipsync_lang.sound.speech.hearing.sphinx.features import (
     voice_span,
 )
 from lipsync_lang.sound.speech.hearing.sphinx.forced import (
-    MANY_WORDS,
     SOUND_START,
     WINDOW_FRAMES,
     Graph,
@@ -479,13 +478,12 @@ def _alone(
 def laid(
     models: "Models", features: HeardFrames, words: Sequence[Pronunciations]
 ) -> list[HeardPhoneme] | None:
-    """Align words in short windows, and again in anchored ones if these lose the text."""
+    """Align words in short windows, and again in anchored ones if these lose the text or a word."""
     heard = lay(models.model, features, words)
     sure = line_confidence(heard) if heard else 0.0
-    lost = np.array([one.first for one in heard or () if one.phone == OUTSIDE != one.word])
     # where a short window stayed behind the voice, the next one has no time for the words between
-    behind = (lost[MANY_WORDS - 1 :] - lost[: 1 - MANY_WORDS] < WINDOW_FRAMES).any()
-    if len(features) <= WINDOW_FRAMES or (sure >= DOUBTFUL and not behind):
+    lost = any(one.phone == OUTSIDE != one.word for one in heard or ())
+    if len(features) <= WINDOW_FRAMES or (sure >= DOUBTFUL and not lost):
         return heard
     again = lay(models.model, features, words, anchored=True)
     return again if again and line_confidence(again) > sure else heard
