@@ -110,9 +110,6 @@ CHANGE_DEPTH = 2
 PART_MARGIN_FRAMES = 30
 """Frames beyond a change that are searched with the part before or after it."""
 
-NOISE_MARGIN_FRAMES = 5
-"""Frames of a steady noise before and after the voice that are searched with it."""
-
 MIN_PART_PACE = 6
 """Fewest frames of a part for each phoneme of the line."""
 
@@ -367,7 +364,6 @@ def found_line(
     """
     end = -(-len(sound) // HOP_SAMPLES)
     first, stop = voice_span(sound, end)
-    first, stop = max(first - NOISE_MARGIN_FRAMES, 0), min(stop + NOISE_MARGIN_FRAMES, end)
     if stop - first < end:
         inside = _in_parts(models, sound.part(first, stop), words)
         if inside.heard:
