@@ -72,6 +72,10 @@ class ShapeReadOut:
         return {name: round(value, 3) for name, value in asdict(self).items()}
 
 
+MEASURES_OF_SOUNDS = ("aperture", "width", "protrusion", "jaw")
+"""Measures that packs state of the mouths of sounds."""
+
+
 @dataclass(frozen=True, eq=False)
 class MouthPoints:
     """Point numbers of a mouth: pairs of lip points from the right corner to the left, and others.

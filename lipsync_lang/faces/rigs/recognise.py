@@ -13,7 +13,7 @@ that opens the mouth comes before all that hardly do.
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -23,12 +23,13 @@ from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.faces.rigs.channel import Channel, bare
 from lipsync_lang.faces.rigs.driver import Driver
 from lipsync_lang.faces.rigs.model import Model, some
-from lipsync_lang.faces.rigs.read_outs import measured, still_shapes
+from lipsync_lang.faces.rigs.read_outs import MEASURES_OF_SOUNDS, measured, still_shapes
 from lipsync_lang.faces.rigs.shape_matching import on_mesh
-from lipsync_lang.packs import models
-from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.models.rig_models import channels_of, plain_channels, pose_names
-from lipsync_lang.packs.pack import Pack
+
+if TYPE_CHECKING:  # workers measure mouths without the models of packs
+    from lipsync_lang.packs import models
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.packs.pack import Pack
 
 ALIKE = 0.97
 """Minimum cosine between the channels of two poses for the same look."""
@@ -78,8 +79,10 @@ class Loss:
         return {**asdict(self), "what": self.what}
 
 
-def losses(library: Library, rig: Pack[models.RigPack]) -> tuple[Loss, ...]:
+def losses(library: "Library", rig: "Pack[models.RigPack]") -> tuple[Loss, ...]:
     """List the losses of a rig in the order of its pose set, by effects on channels, (C, P)."""
+    from lipsync_lang.packs.models.rig_models import plain_channels
+
     poses = tuple(library.poseset(rig.model.poseset).model.poses)
     data = {"channels": plain_channels(rig.model, None)}
     driver = Driver.from_plain(data, poses, np.zeros(len(poses)))
@@ -196,7 +199,7 @@ class Match:
         }
 
 
-def recognise(library: Library, model: Model) -> tuple[Match, ...]:
+def recognise(library: "Library", model: Model) -> tuple[Match, ...]:
     """Match every pose set and every rig against a model.
 
     Matches that open the mouth on the mesh come first. Then the number of poses shown as themselves
@@ -253,19 +256,20 @@ def mouth_gains(channels: Sequence[Channel], model: Model) -> Floats | None:
     if not moved or bones:
         return None
     found = find(channels, model)
-    gains = np.zeros((len(models.MOUTH_MEASURES), len(channels)))
+    gains = np.zeros((len(MEASURES_OF_SOUNDS), len(channels)))
     for number, channel in enumerate(channels):
         weights = found.bound.get(channel.name, {})
         for shape in found.places.get(channel.name, ()):
             if shape in moved:
-                does = [getattr(moved[shape], name) for name in models.MOUTH_MEASURES]
+                does = [getattr(moved[shape], name) for name in MEASURES_OF_SOUNDS]
                 gains[:, number] += weights.get(shape, 1.0) * np.array(does)
     return gains
 
 
-def _matches(library: Library, poseset: models.PoseSet, model: Model) -> Iterator[Match]:
+def _matches(library: "Library", poseset: "models.PoseSet", model: Model) -> Iterator[Match]:
     """Yield non-empty matches: the pose set alone, and each of its valid rigs."""
     from lipsync_lang.packs.checking.rig_checks import check_rig
+    from lipsync_lang.packs.models.rig_models import channels_of, plain_channels, pose_names
 
     poses, every = (*poseset.poses,), poseset.having(poseset.optional_poses)
     found = _played(bare((*every.poses,), pose_names(every)), model)

@@ -29,12 +29,12 @@ from lipsync_lang.production.builds.archives import split_archive
 from lipsync_lang.production.builds.digests import digest, file_digest, output_digest
 from lipsync_lang.production.builds.faces import face_file
 from lipsync_lang.production.builds.needs import BuildSettings, PairNeeds
-from lipsync_lang.production.builds.output_paths import recorded_path
 from lipsync_lang.production.builds.planned_line import (
     CONFIDENCE,
     BuiltLine,
     JudgedFigure,
     PlannedLine,
+    recorded_path,
 )
 from lipsync_lang.production.builds.timing import (
     TIMERS,

@@ -1,6 +1,5 @@
 """Paths of outputs and recordings, which a project states with placeholders."""
 
-import os
 import posixpath
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -106,12 +105,3 @@ def check_links(paths: Iterable[tuple[Loc, str]], folder: Path, faults: ScriptFa
         if not is_reached(folder / fill(head, BRACES), folder):
             what = f"{head} leads outside {folder} by a link"
             faults.state(loc, "P106", what, "remove the link, or allow its target: --path FOLDER")
-
-
-def recorded_path(folder: Path, path: str) -> str:
-    """Return a file as records name it: from the project's folder, or in full outside of it.
-
-    >>> recorded_path(Path("/game"), "/game/vo/l1.wav")
-    'vo/l1.wav'
-    """
-    return path.removeprefix(f"{folder}{os.sep}")

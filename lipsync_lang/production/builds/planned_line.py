@@ -1,7 +1,9 @@
 """Lines of a build, before and after they are made."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal, NamedTuple
 
 from lipsync_lang.schedules.schedule import DOUBTFUL
@@ -110,3 +112,12 @@ class BuiltLine:
     def doubted(self) -> tuple[JudgedFigure, ...]:
         """The figures that exceed the face's own limits."""
         return tuple(one for one in self.figures if not one.binding and not one.passed)
+
+
+def recorded_path(folder: Path, path: str) -> str:
+    """Return a file as records name it: from the project's folder, or in full outside of it.
+
+    >>> recorded_path(Path("/game"), "/game/vo/l1.wav")
+    'vo/l1.wav'
+    """
+    return path.removeprefix(f"{folder}{os.sep}")

@@ -15,8 +15,7 @@ from lipsync_lang.performing.performer import Performer
 from lipsync_lang.production.builds.archives import StandingOutputs, split_archive
 from lipsync_lang.production.builds.digests import digest, file_digest, joined
 from lipsync_lang.production.builds.needs import PairNeeds, need_in_words
-from lipsync_lang.production.builds.output_paths import recorded_path
-from lipsync_lang.production.builds.planned_line import PlannedLine
+from lipsync_lang.production.builds.planned_line import PlannedLine, recorded_path
 from lipsync_lang.production.builds.records import (
     NEED,
     Key,

@@ -9,7 +9,7 @@ compiled pair is: it must be whole, and it holds data alone (decision 0002).
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import astuple, dataclass, fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -109,7 +109,7 @@ def _encoded(schedule: Schedule, *, own: bool) -> Iterator[bytes]:
     head: dict[str, Any] = {f.name: getattr(schedule, f.name) for f in fields(schedule)}
     audio = head.pop("audio") if own else head.update(audio=None)
     head["times"] = schedule.times.tolist()
-    head["words"] = [astuple(word) for word in schedule.words]
+    head["words"] = [[*vars(word).values()] for word in schedule.words]
     head["audio"] = [audio.rate, audio.usual_level] if audio else None
     text = json.dumps(head).encode()
     yield len(text).to_bytes(8, "little") + text

@@ -5,15 +5,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.base.errors import LipsyncError
-from lipsync_lang.packs.models import Project
-from lipsync_lang.packs.models.fields import Strict
-from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.project import FILE, load_project
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults
 from lipsync_lang.production.builds.script_faults import in_words_of_project
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # workers start faster without the models of packs
     from lipsync_lang.base.extensions import Formats
+    from lipsync_lang.packs.models import Project
+    from lipsync_lang.packs.models.fields import Strict
+    from lipsync_lang.packs.pack import Pack
 
 TimingFormats = Mapping[str, Mapping[str, Any]]
 """Plain fields of formats, by name."""
@@ -22,7 +22,7 @@ _script_names: list[str] = []
 """Formats of scripts of the project that is open."""
 
 
-def open_project(path: Path) -> Pack[Project]:
+def open_project(path: Path) -> "Pack[Project]":
     """Load a project, and let files be read in its formats of timings and scripts.
 
     Raises an error if it is unsound, or a link out of its folder.
@@ -37,7 +37,7 @@ def open_project(path: Path) -> Pack[Project]:
     return pack
 
 
-def plain_formats(stated: Mapping[str, Strict]) -> TimingFormats:
+def plain_formats(stated: "Mapping[str, Strict]") -> TimingFormats:
     """Return the formats of a project as plain data, which workers receive."""
     return {name: one.model_dump(exclude_none=True) for name, one in stated.items()}
 
@@ -73,7 +73,7 @@ def use_script_formats(formats: TimingFormats) -> None:
     by_suffix.cache_clear()
 
 
-def check_timing_formats(pack: Pack[Project]) -> Iterator[Fault]:
+def check_timing_formats(pack: "Pack[Project]") -> Iterator[Fault]:
     """Yield a fault for each format with the name of one that the program or a plug-in has."""
     if not pack.model.timing_formats and not pack.model.script_formats:
         return
@@ -90,7 +90,7 @@ def check_timing_formats(pack: Pack[Project]) -> Iterator[Fault]:
             yield pack.fault((kind, name), "P106", what, "choose another name", key=True)
 
 
-def formats_for(project: Project, path: Path) -> list[tuple[str, str]]:
+def formats_for(project: "Project", path: Path) -> list[tuple[str, str]]:
     """Return (field, name) of the formats of a project with the suffix of a file."""
     file, scripts = path.name.lower(), project.script_formats.items()
     found = [("script_formats", name) for name, one in scripts if file.endswith(one.suffix)]
@@ -99,7 +99,7 @@ def formats_for(project: Project, path: Path) -> list[tuple[str, str]]:
     return found
 
 
-def check_files(pack: Pack[Project], files: Iterable[Path]) -> Iterator[Fault]:
+def check_files(pack: "Pack[Project]", files: Iterable[Path]) -> Iterator[Fault]:
     """Yield the faults of files that have a suffix of the open project's formats, and no fit."""
     for path in files:
         told: list[Fault] = []

@@ -14,6 +14,7 @@ import lipsync_lang as ll
 from lipsync_lang.base.errors import ModelError
 from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.faces.rigs.read_outs import (
+    MEASURES_OF_SOUNDS,
     NEAR_SHARE,
     PARTED_SHARE,
     find_mouth,
@@ -21,10 +22,15 @@ from lipsync_lang.faces.rigs.read_outs import (
     still_shapes,
 )
 from lipsync_lang.faces.rigs.read_outs import _lip_pairs as find_pairs
+from lipsync_lang.packs import models
 
 
 def measured(name):
     return read_outs(read_model(ROOT / "posesets" / name / "model.glb"))
+
+
+def test_mouths_of_models_are_measured_as_those_of_sounds():
+    assert MEASURES_OF_SOUNDS == models.MOUTH_MEASURES
 
 
 def test_each_pose_of_the_head_moves_what_its_title_says():

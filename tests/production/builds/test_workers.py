@@ -1,6 +1,7 @@
 """Batches in this process and in others: all results once, with equal bytes."""
 
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -30,6 +31,30 @@ HEAVY = [{"name": name, "weight": b"x" * 100_000} for name in "abc"]
 def heavy(batch):
     """The part that a batch of `named` shares with its neighbours."""
     return HEAVY[batch // 20]
+
+
+WORKED = """
+import pickle, sys
+from io import BytesIO
+from pathlib import Path
+import lipsync_lang.production.builds.making
+from lipsync_lang.animations.animation_writers import WRITERS
+from lipsync_lang.reports.quality.check_animation import check
+performer, schedule = pickle.loads(Path(sys.argv[1]).read_bytes())
+animation = performer.perform(schedule)
+assert check(animation, performer=performer).figures
+WRITERS["csv"].write(animation, BytesIO())
+print("pydantic" in sys.modules)
+"""
+"""The work of a worker on a line with timings."""
+
+
+def test_a_worker_makes_a_timed_line_without_the_models_of_packs(tmp_path):
+    line = ll.Schedule(("M", "AA", "S"), [0, 0.1, 0.3, 0.5])
+    (tmp_path / "work").write_bytes(pickle.dumps((ll.resolve("english", "facefx"), line)))
+    own = [sys.executable, "-c", WORKED, str(tmp_path / "work")]
+    done = subprocess.run(own, capture_output=True, text=True, check=False)
+    assert (done.stdout.strip(), done.stderr) == ("False", "")
 
 
 # In this process

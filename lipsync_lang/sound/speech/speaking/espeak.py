@@ -12,7 +12,7 @@ The library reports events at sample positions. They become contiguous phonemes,
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from itertools import chain, islice, pairwise, tee
 from typing import Any
@@ -142,7 +142,7 @@ def closed(labels: Sequence[str], bounds: Sequence[int], samples: Ints, least: i
 
     The sound before keeps `SHARE` of its time; if none of it sounds, the silence is its own.
     """
-    loud = np.flatnonzero(abs(samples.astype(int)) > 1)
+    loud = np.flatnonzero((samples > 1) | (samples < -1))
     ends = np.append(-1, loud)[loud.searchsorted(bounds)] + 1  # of what sounds before
     moved = list(bounds)
     for n, (before, label) in enumerate(pairwise(labels), 1):
@@ -235,7 +235,7 @@ def intervals(
             last.stress = last.stress or sound.stress
             last.end = sound.end
         else:
-            joined.append(replace(sound))
+            joined.append(SpokenSound(sound.label, sound.start, sound.end, sound.stress))
     first.append(len(joined))
     kept, second = _settled(joined, pause)
     bounds = [sound.start for sound in kept] + [kept[-1].end] if kept else [0]
