@@ -25,11 +25,17 @@ WHOLE = 10_000
 GOAL_SECONDS, GOAL_SPOKEN_SECONDS, GOAL_EDITED_SECONDS = 60.0, 90.0, 2.0
 """Goals on two cores: from timings to CSV and GLB, from text to CSV, after an edited bigram."""
 
+Cold = tuple[float, float]
+"""Lines a second of a build, and its seconds of processors."""
+
+GOAL_TWO_WORKERS = 1.8
+"""Goal of two workers against one, on two idle cores."""
+
 
 def _cold(
     figures: Figures, name: str, made: Script, *options: str, goal: float | None = None
-) -> float:
-    """Build everything again; return the lines a second."""
+) -> Cold:
+    """Build everything again."""
     made.clear()
     say(f"{made.lines:,} lines, {name}")
     ended, rate = made.build(*options, expected=made.lines)
@@ -47,7 +53,13 @@ def _cold(
     )
     if made.lines != WHOLE and goal:
         figures.row(f"{WHOLE:,} lines, {name}, estimated", start + WHOLE / rate, goal=goal)
-    return rate
+    return rate, ended.cpu_seconds
+
+
+def _beside(figures: Figures, what: str, one: Cold, two: Cold) -> None:
+    """Compare two workers with one, which needs idle processors; their work in all does not."""
+    more = {"of the CPU time": two[1] / one[1]}
+    figures.row(f"two {what} against one", two[0] / one[0], "x", goal=GOAL_TWO_WORKERS, more=more)
 
 
 def _planned(made: Script) -> float:
@@ -104,29 +116,36 @@ def _named(workers: int) -> str:
 
 def build(figures: Figures, options: Namespace) -> None:
     """Lines with timings to CSV and GLB: all of them, those of an edited bigram (50), and none."""
-    planned = 0.0
+    planned, colds = 0.0, []
     with script(options.lines, ("csv", "glb")) as made:
         for workers in (1, 2):
             goal = GOAL_SECONDS if workers == 2 else None
-            _cold(figures, f"cold, {_named(workers)}", made, "--workers", str(workers), goal=goal)
+            name = f"cold, {_named(workers)}"
+            colds.append(_cold(figures, name, made, "--workers", str(workers), goal=goal))
             planned = planned or _planning(figures, made)
             for expected in (EDITED, 0):
                 _again(figures, made, expected, workers, planned)
+        _beside(figures, "workers", *colds)
         for name in (*made.outputs, ".lipsync_lang/build.sqlite"):
             size = made.kilobytes(name, lambda path: path.stat().st_size)
             figures.row(f"{Path(name).name} for each line", size, "kB")
         packed = made.kilobytes("csv", lambda path: len(compress(path.read_bytes())))
         figures.row("csv in an archive, for each line", packed, "kB")
     with script(options.lines, ("csv",)) as made:
-        _cold(figures, "CSV alone, cold, 2 workers", made, "--workers", "2")
+        names = {workers: f"CSV alone, cold, {_named(workers)}" for workers in (1, 2)}
+        found = [_cold(figures, name, made, "--workers", f"{n}") for n, name in names.items()]
+        _beside(figures, "workers of CSV alone", *found)
 
 
 def spoken(figures: Figures, options: Namespace) -> None:
     """Lines of text, spoken by eSpeak, to CSV."""
+    found = []
     with script(options.lines, ("csv",), timed=False) as made:
         for workers in (1, 2):
-            goal = GOAL_SPOKEN_SECONDS if workers == 2 else None
-            _cold(figures, f"spoken, {_named(workers)}", made, "--workers", str(workers), goal=goal)
+            goal, name = GOAL_SPOKEN_SECONDS if workers == 2 else None, f"spoken, {_named(workers)}"
+            own = "--workers", str(workers), "--force"  # no timings of the build before
+            found.append(_cold(figures, name, made, *own, goal=goal))
+    _beside(figures, "workers", *found)
 
 
 # A cluster
@@ -154,7 +173,7 @@ def _dask(*arguments: str, says: str) -> Iterator[str]:
 
 def dask(figures: Figures, options: Namespace) -> None:
     """Lines with timings to CSV and GLB by the workers of a Dask cluster on this machine."""
-    rates = []
+    found = []
     with script(options.lines, ("csv", "glb")) as made:
         for workers in (1, 2):
             with ExitStack() as stack:
@@ -167,5 +186,5 @@ def dask(figures: Figures, options: Namespace) -> None:
                 for _ in range(workers):
                     stack.enter_context(_dask("worker", scheduler, *single, says="(Registered to)"))
                 name = f"cold, {_named(workers)} of Dask"
-                rates.append(_cold(figures, name, made, "--scheduler", scheduler))
-    figures.row("two Dask workers against one", rates[1] / rates[0], "x", goal=1.7)
+                found.append(_cold(figures, name, made, "--scheduler", scheduler))
+    figures.row("two Dask workers against one", found[1][0] / found[0][0], "x", goal=1.7)
