@@ -433,17 +433,8 @@ def _animate(
     asked: OwnSettings,
 ) -> list[Animation]:
     """Animate schedules; see `Performer.perform_many`."""
-    fps = checked_rate(fps)
-    names = [None] * len(schedules) if lines is None else lines
-    if len(names) != len(schedules):
-        what = f"{len(names)} lines for {len(schedules)} schedules"
-        raise LipsyncError(f"{what}; give one line per schedule")
-    compiled = performer.compiled
-    if compiled.line_deliveries:
-        schedules = [
-            corrected(compiled.line_deliveries.get(line or "", {}), compiled, schedule, line)
-            for schedule, line in zip(schedules, names, strict=True)
-        ]
+    fps, compiled = checked_rate(fps), performer.compiled
+    schedules, names = _stated(performer, schedules, lines)
     read = performer.labels.read(schedules) if schedules else []
     kept, common = _neutral_copy(performer, fps), LineDelivery.plain(performer, asked)
     gaps, model, floors = compiled.report.gaps, performer.model, performer.contact_floors
@@ -479,6 +470,23 @@ def _animate(
             neutral=compiled.neutral, contacts=dict(floors),
         ))  # fmt: skip
     return out
+
+
+def _stated(
+    performer: "Performer", schedules: Sequence[Schedule], lines: Sequence[str | None] | None
+) -> tuple[Sequence[Schedule], Sequence[str | None]]:
+    """Return schedules as the project corrects them, with the names of their lines."""
+    names = [None] * len(schedules) if lines is None else lines
+    if len(names) != len(schedules):
+        what = f"{len(names)} lines for {len(schedules)} schedules"
+        raise LipsyncError(f"{what}; give one line per schedule")
+    compiled = performer.compiled
+    if compiled.line_deliveries:
+        schedules = [
+            corrected(compiled.line_deliveries.get(line or "", {}), compiled, schedule, line)
+            for schedule, line in zip(schedules, names, strict=True)
+        ]
+    return schedules, names
 
 
 def _neutral_copy(performer: "Performer", fps: float) -> KernelCopy | None:
