@@ -15,6 +15,8 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
+from lipsync_lang.text.phonology.g2p.g2p_engines import G2P_ENGINES
+
 # A worker has one processor: more threads in it wait for each other, up to ten times as long.
 os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
 
@@ -27,6 +29,13 @@ needs_espeak = pytest.mark.skipif(
 needs_plug_ins = pytest.mark.skipif(
     find_spec("lipsync_lang.plugins") is None, reason="the wing of plug-ins was removed"
 )
+
+
+def skip_if_its_reader_was_removed(g2p: Any) -> None:
+    """Skip a test of a language whose text a plug-in reads or respells, if they were removed."""
+    ours = g2p is None or (g2p.engine in G2P_ENGINES.built_in() and not g2p.respell)
+    if find_spec("lipsync_lang.plugins") is None and not ours:
+        pytest.skip("the plug-in that reads its text was removed")
 
 
 def of_plug_in(module: str, name: str) -> Any:

@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from lanes import needs_plug_ins
 
 from lipsync_lang import LipsyncError, Schedule, resolve
 from lipsync_lang.animations.animation_readers import (
@@ -115,6 +116,7 @@ def take(codes, names=("JawOpen", "MouthPressRight", "MouthPressLeft")):
     return "\n".join((head, *rows)) + "\n"
 
 
+@needs_plug_ins
 def test_a_take_is_read_by_its_header(tmp_path):
     codes = [f"11:59:{s:02}:{f:02}.500" for s in (58, 59) for f in range(60)][50:]
     codes += ["12:00:00:00.500"]
@@ -127,6 +129,7 @@ def test_a_take_is_read_by_its_header(tmp_path):
     assert here["mouthPressLeft"][0] == 0.3
 
 
+@needs_plug_ins
 @pytest.mark.parametrize("rate", [24, 30, 60])
 def test_timecodes_say_how_many_frames_a_second_has(rate, tmp_path):
     codes = [f"01:00:{s:02}:{f:02}.000" for s in range(3) for f in range(rate)]
@@ -135,6 +138,7 @@ def test_timecodes_say_how_many_frames_a_second_has(rate, tmp_path):
     assert f"{rate} frames a second" in recording.remarks[0]
 
 
+@needs_plug_ins
 def test_frames_that_repeat_a_timecode_are_left_out(tmp_path):
     codes = ["01:00:00:00.000", "01:00:00:01.000", "01:00:00:01.000", "01:00:00:02.000"]
     recording = read_animation(written(tmp_path, "take.csv", take(codes)))
@@ -295,7 +299,9 @@ BAD = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", BAD)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=needs_plug_ins if "take" in name else ()) for name in BAD]
+)
 def test_a_bad_file_is_told_where_and_how_to_mend_it(name, tmp_path):
     file, content, message = BAD[name]
     with pytest.raises(LipsyncError, match=message):

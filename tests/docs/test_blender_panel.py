@@ -6,7 +6,7 @@ import sys
 from types import ModuleType, SimpleNamespace
 
 import pytest
-from lanes import needs_espeak
+from lanes import needs_espeak, needs_plug_ins
 from places import ROOT
 
 import lipsync_lang as ll
@@ -29,6 +29,7 @@ def panel(monkeypatch):
     return SimpleNamespace(**runpy.run_path(str(PANEL), run_name="panel"))
 
 
+@needs_plug_ins
 @needs_espeak
 def test_its_command_keys_every_shape_of_the_face_and_writes_the_sound(panel, cli, tmp_path):
     face = shutil.copy(ROOT / "posesets/facefx/model.glb", tmp_path / "face.glb")

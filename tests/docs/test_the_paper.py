@@ -7,7 +7,7 @@ import shlex
 import sys
 
 import pytest
-from lanes import full
+from lanes import full, needs_plug_ins
 from places import ROOT
 
 from lipsync_lang.cli import main, parser
@@ -100,6 +100,7 @@ def test_every_figure_and_table_of_the_paper_is_an_item(the_paper):
         assert number in page
 
 
+@needs_plug_ins
 def test_every_command_of_an_item_is_one(the_paper):
     whole = parser()
     known = {path for path, _ in leaves(whole)}

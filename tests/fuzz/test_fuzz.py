@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from lanes import full, swept
+from lanes import full, needs_plug_ins, swept
 from syntax_trees import modules, walked
 
 from fuzz.oracle import CALLS, CALLS_PER_BYTE, judge
@@ -104,6 +104,7 @@ def test_every_reader_has_a_sound_file_to_damage(name):
     assert warm(name), f"put a sound file into {TARGETS[name].home}/seeds/{name}"
 
 
+@needs_plug_ins
 def test_every_folder_of_files_belongs_to_a_target():
     for home in {target.home for target in TARGETS.values()}:
         files = (path for kind in ("seeds", "corpus") for path in (home / kind).glob("*/*/*"))

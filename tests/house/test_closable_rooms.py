@@ -21,19 +21,26 @@ PLUG_INS = (
 CLOSABLE = (*(f"plugins/{room}" for room in (*PLUG_INS, "players")), "plugins")
 
 ASKING = {
+    "animations": ("test_read_animations",),
     "base": ("files/test_outputs", "presentation/test_output_escaping"),
+    "docs": ("test_blender_panel", "test_docs", "test_the_paper"),
+    "fuzz": ("test_fuzz",),
     "packs": ("test_checked_as_run",),
     "production/builds": (
         *("test_build", "test_new_project", "test_planning_faults", "test_project"),
         *("test_script", "test_takes_builds"),
     ),
+    "resolver": ("test_posesets",),
     "sound/speech": (
         *("test_acoustic_models", "test_adaptation", "test_alignment", "test_lacking_words"),
         *("test_many_recordings", "test_many_texts", "test_recognition", "test_speaking"),
         "test_speech",
     ),
+    "text/lines": ("test_independent_readings", "test_lines"),
+    "text/phonology": ("test_g2p", "test_languages", "test_lips_of_letters"),
 }
-"""Modules of tests that ask a registry for names beyond the built-in ones, which plug-ins have."""
+"""Modules of tests that ask a registry for names beyond the built-in ones, which plug-ins have:
+where a room has such a registry, and where a quick test needs one of its plug-ins."""
 
 PARTS = (
     ("commands", "house"),

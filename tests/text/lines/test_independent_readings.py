@@ -8,6 +8,7 @@ import re
 from xml.etree import ElementTree as ET
 
 import pytest
+from lanes import needs_plug_ins
 from ruamel.yaml import YAML
 
 from lipsync_lang.text.lines import read_lines
@@ -195,12 +196,17 @@ KINDS = {
     "rpg-maker": (".json", rpg_maker, read_rpg_maker),
 }
 
+PLUGGED = {"strings", "stringsdict", "rails", "rpg-maker"}
+"""Kinds that plug-ins read."""
+
 
 def one_row(text):
     return " ".join(text.replace("’", "'").split())
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "kind", [pytest.param(kind, marks=needs_plug_ins if kind in PLUGGED else ()) for kind in KINDS]
+)
 def test_lines_are_those_of_the_standard_libraries(kind, tmp_path):
     suffix, write, read = KINDS[kind]
     text = write(texts())

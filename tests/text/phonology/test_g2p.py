@@ -7,6 +7,7 @@ from unicodedata import normalize
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import needs_plug_ins
 from voices import speak
 
 from lipsync_lang import SpeechError
@@ -247,6 +248,7 @@ def test_every_engine_and_respeller_is_where_it_is_said_to_be():
         assert set(known.modules) <= set(known.built_in())
 
 
+@needs_plug_ins
 def test_unknown_engines_are_messages():
     with pytest.raises(SpeechError, match="unknown G2P engine 'espaek'; did you mean 'espeak'"):
         engine("espaek", Settings("x"))
@@ -421,7 +423,9 @@ def test_stated_readings_count_for_whole_words_between_their_contexts():
         compiled_readings([Rule("大夫", ("dai4",))])
 
 
-@pytest.mark.parametrize("language", ["thai", "lao", "khmer", "burmese", "mongolian"])
+@pytest.mark.parametrize(
+    "language", [pytest.param("thai", marks=needs_plug_ins), "lao", "khmer", "burmese", "mongolian"]
+)
 def test_a_language_without_latin_letters_hears_words_in_them_from_a_voice(language):
     pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
     (read,) = Speaker.of(language).transcribe(["Photoshop"])
@@ -431,7 +435,14 @@ def test_a_language_without_latin_letters_hears_words_in_them_from_a_voice(langu
     assert not letters.unread
 
 
-@pytest.mark.parametrize("language", ["japanese", "mandarin", "thai", "vietnamese"])
+@pytest.mark.parametrize(
+    "language",
+    [
+        *(pytest.param(name, marks=needs_plug_ins) for name in ("japanese", "thai")),
+        "mandarin",
+        "vietnamese",
+    ],
+)
 def test_another_voice_starts_once_for_all_words_of_a_text(language, monkeypatch):
     pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
     starts, transcribe = [], EspeakProcess.transcribe

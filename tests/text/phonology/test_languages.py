@@ -7,7 +7,7 @@ from functools import cache
 from unicodedata import normalize
 
 import pytest
-from lanes import swept
+from lanes import skip_if_its_reader_was_removed, swept
 from shipped import LANGUAGES, LIBRARY
 
 from lipsync_lang.sound.speech.speaking.speaker import transcribe
@@ -64,6 +64,7 @@ def test_text_becomes_what_the_tests_say(pack):
     """The text goes through the pack's own engine."""
     if pack.g2p is None:
         pytest.skip(f"{pack.name} does not read text")
+    skip_if_its_reader_was_removed(pack.g2p)
     needs = [*NEEDS.get(pack.g2p.engine, []), *NEEDS.get(pack.g2p.respell, [])]
     for module in needs:
         pytest.importorskip(module, reason="its engine is not installed")

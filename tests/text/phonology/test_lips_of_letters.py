@@ -3,6 +3,7 @@
 from functools import cache
 
 import pytest
+from lanes import needs_plug_ins
 
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
@@ -82,6 +83,7 @@ HEBREW = [
 ]
 
 
+@needs_plug_ins
 @pytest.mark.parametrize(("text", "mouths"), HEBREW)
 def test_hebrew_words_have_the_vowels_of_their_points(text, mouths):
     (found,) = speaker_of("hebrew").transcribe([text])
