@@ -39,8 +39,8 @@ ASKING = {
     "text/lines": ("test_independent_readings", "test_lines"),
     "text/phonology": ("test_g2p", "test_languages", "test_lips_of_letters"),
 }
-"""Modules of tests that ask a registry for names beyond the built-in ones, which plug-ins have:
-where a room has such a registry, and where a quick test needs one of its plug-ins."""
+"""Modules of tests that ask a registry for names beyond the built-in ones, which plug-ins have.
+Their room has such a registry, or one of their quick tests needs a plug-in."""
 
 PARTS = (
     ("commands", "house"),
