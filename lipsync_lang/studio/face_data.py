@@ -6,9 +6,10 @@ read from a sweep, which moves one channel after the other, and does not depend 
 Conventions: V points, C channels (columns of the animation); matrices act on rows.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
 from typing import NamedTuple, Self
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -67,20 +68,38 @@ def face_data(animation: Animation, pack: ArrayPack) -> Json:
 
 
 def page_scene(animation: Animation) -> Scene | str:
-    """Return the scene of a page, or the reason why its model cannot be drawn."""
-    if animation not in _SCENES:
+    """Return the scene of a page, or the reason why its model cannot be drawn.
+
+    The pages of a report, and the warnings about a page, share the scene of their model.
+    """
+    model, swept = animation.model, sweep(animation)
+    # bones turn as far as in the line, so that two lines may differ in their sweeps
+    key = (model, _changed(model), swept.columns, swept.weights.tobytes())
+    if key not in _SCENES:
+        while len(_SCENES) >= MOST_SCENES:
+            _SCENES.pop(next(iter(_SCENES)))
         try:
             with np.errstate(over="raise", invalid="raise"):
-                _SCENES[animation] = staged(sweep(animation))
+                _SCENES[key] = staged(swept)
         except (ModelError, OutputError) as error:
-            _SCENES[animation] = str(error)
+            _SCENES[key] = str(error)
         except FloatingPointError:
-            _SCENES[animation] = f"{animation.model}: a point moves too far to be drawn"
-    return _SCENES[animation]
+            _SCENES[key] = f"{model}: a point moves too far to be drawn"
+    return _SCENES[key]
 
 
-_SCENES: WeakKeyDictionary[Animation, Scene | str] = WeakKeyDictionary()
-"""Scenes of pages: a page and the warnings about it need the same one."""
+def _changed(model: Path | None) -> int:
+    """Return the time at which a file was changed; 0 if it cannot be read."""
+    with suppress(OSError):
+        return 0 if model is None else model.stat().st_mtime_ns
+    return 0
+
+
+_SCENES: dict[Hashable, Scene | str] = {}
+"""The latest scenes, by their model, its columns and how far they move."""
+
+MOST_SCENES = 4
+"""Number of scenes that are kept, which take some megabytes each."""
 
 
 def _face(animation: Animation, scene: Scene, pack: ArrayPack) -> Json:

@@ -1,6 +1,7 @@
 """Faces of pages: points as in the pictures, and remarks on parts that a page leaves out."""
 
 import json
+import os
 from dataclasses import replace
 from itertools import pairwise
 
@@ -14,6 +15,7 @@ from test_video import boned, textured
 
 from lipsync_lang.render.model.camera import close_up, framed
 from lipsync_lang.render.staging import staged, sweep
+from lipsync_lang.studio.face_data import page_scene
 from lipsync_lang.studio.line_page import line_page
 
 BROWSER = TESTS / "browser"
@@ -82,6 +84,18 @@ def test_a_page_has_the_cameras_of_the_pictures():
 
 
 @full
+def test_lines_share_the_scene_of_a_model_until_it_changes(tmp_path):
+    one = shipped(tmp_path)
+    other = replace(one, weights=one.weights / 2)
+    assert page_scene(one) is page_scene(other)
+    bones = turned(tmp_path)
+    farther = replace(bones, weights=bones.weights * 2)
+    assert page_scene(bones) is not page_scene(farther), "a bone turns as far as in the line"
+    before = page_scene(bones)
+    os.utime(bones.model, ns=(1, 1))
+    assert page_scene(bones) is not before, "somebody exported the model again"
+
+
 def test_the_camera_stays_where_it_is_for_every_line():
     faces = [data_of(line_page(performed("facefx", *said)))["faces"][0] for said in (("a",), ())]
     assert faces[0]["camera"] == faces[1]["camera"]
