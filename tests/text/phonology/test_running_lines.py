@@ -195,6 +195,20 @@ def test_a_rank_is_read_without_a_name_where_a_case_shows_it(written, said):
     assert respelled(written, Expansions(forms).find(written)) == said
 
 
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        ("Hut u. Stock", "Hut und Stock"),
+        ("U. Meier kommt", "U. Meier kommt"),
+        ("usw. steht da", "und so weiter steht da"),
+        ("Usw. steht da", "Und so weiter steht da"),
+    ],
+)
+def test_a_single_letter_is_no_initial_of_a_name(written, said):
+    forms = SpokenForms(abbreviations={"u. ": "und ", "usw.": "und so weiter"})
+    assert respelled(written, Expansions(forms).find(written)).casefold() == said.casefold()
+
+
 def test_no_rank_is_another_word_without_a_name():
     # `o cap. chegou` is said more often than a chapter without its number
     others = {}
