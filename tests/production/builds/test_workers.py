@@ -158,6 +158,13 @@ def test_an_error_of_the_work_is_raised_here():
 
 
 @full
+def test_processes_that_end_within_an_answer_keep_nobody_waiting():
+    for _ in range(3):
+        with closing(run_batches(toy_work.lengthy, range(4), workers=2)) as results:
+            assert len(next(results)) == toy_work.LENGTH
+            # the other process has begun to send as much
+
+
 def test_who_stops_early_leaves_no_process():
     with closing(run_batches(toy_work.leisurely, range(10**9), workers=2)) as results:
         process, _ = next(results)

@@ -36,6 +36,14 @@ def named(batch, shared):
     return batch, shared["name"], len(shared["weight"])
 
 
+LENGTH = 32_000_000
+"""Bytes of an answer that takes a while to send."""
+
+
+def lengthy(_):
+    return bytes(LENGTH)
+
+
 def refused(batch):
     raise ValueError(f"no {batch}")
 

@@ -43,6 +43,10 @@ def noise(seconds):
     return np.random.default_rng(3).normal(0, 2000, seconds * RATE).astype(np.int16)
 
 
+def tone(seconds):
+    return np.rint(3000 * np.sin(np.arange(seconds * RATE) / 5)).astype(np.int16)
+
+
 def music(seconds):
     times = np.arange(seconds * RATE) / RATE
     chord = sum(np.sin(2 * np.pi * hertz * times) for hertz in (220, 277, 330))
@@ -57,13 +61,14 @@ def music(seconds):
         (lambda _: noise(5), TEXT),
         (lambda _: music(5), TEXT),
         (lambda voice: voice, "Four hours of steady work faced us."),
+        (lambda _: tone(1), "Four hours of steady work faced us all"),
         (lambda voice: np.tile(voice, 15)[: 30 * RATE], "map"),
         (lambda voice: voice[:RATE], "please buy five maps " * 250),
         (lambda voice: voice[: RATE // 50], "hello"),
         (lambda voice: voice[:1], "hello"),
     ],
     ids=[
-        "silence", "noise", "music", "another text", "a word for half a minute",
+        "silence", "noise", "music", "another text", "a tone", "a word for half a minute",
         "a thousand words for a second", "a fiftieth of a second", "a sample",
     ],
 )  # fmt: skip
