@@ -269,8 +269,9 @@ class _Pool:
         if kind is not None:
             for process in list((self.executor._processes or {}).values()):  # noqa: SLF001 public from 3.14 on
                 process.kill()
-            # One that ends within an answer would leave its reader waiting for the rest of it.
-            self.executor._result_queue._writer.close()  # noqa: SLF001 the last one that could write
+            # One that ends within an answer would leave its reader waiting for the rest of it,
+            # as long as a writer is open: this is the last one.
+            self.executor._result_queue._writer.close()  # type: ignore[attr-defined]  # noqa: SLF001
         self.executor.shutdown(cancel_futures=True)
 
     def run(self, jobs: Iterator[Job], room: int) -> Iterator[Any]:
