@@ -100,6 +100,7 @@ def place_model(model: Path, pack: Path) -> tuple[str, NewFiles]:
         mend = f"export it as GLB, or move it with these files into {pack.parent} first"
         raise LipsyncError(f"{model}: may refer to other files; {mend}")
     copy = pack.with_name(model.name)
+    # an earlier draft has copied the same model
     if copy.is_file() and cmp(model, copy, shallow=False):
         return model.name, {}
     if copy.exists():

@@ -99,6 +99,7 @@ class _Validation:
                 self.check_file(*_placed(path))
             else:
                 self._warn(path, "is not read, because packs end in `.yaml`", "rename it")
+        # a folder without its file would be passed over, as nothing in it is checked
         if folder.name == finding.FOLDERS["poseset"]:
             for entry in finding.entries(folder):
                 parts = [finding.POSESET, *finding.PART_FOLDERS]
