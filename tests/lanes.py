@@ -35,7 +35,7 @@ def skip_if_its_reader_was_removed(g2p: Any) -> None:
     """Skip a test of a language whose text a plug-in reads or respells, if they were removed."""
     ours = g2p is None or (g2p.engine in G2P_ENGINES.built_in() and not g2p.respell)
     if find_spec("lipsync_lang.plugins") is None and not ours:
-        pytest.skip("the plug-in that reads its text was removed")
+        pytest.skip("the wing of plug-ins was removed, which reads its text")
 
 
 def of_plug_in(module: str, name: str) -> Any:

@@ -38,9 +38,9 @@ INSIDE = ("teeth", "mouth", "gums", "tongue")
 
 
 def seen(head, said=WORDS, language="german"):
-    """Yield the word, the sound, and what is seen in the middle of it.
+    """Yield each sound with its word, the samples of each part of its mouth, and its hole's width.
 
-    That is the samples of each part of the mouth, and how far the hole goes across the lips.
+    The mouth is seen in the middle of the sound; the hole is a share of the width of the lips.
     """
     performer = ll.resolve(language, head)
     labels = ["_", *chain.from_iterable([*word, "_"] for word in said)]

@@ -67,23 +67,22 @@ def test_a_build_makes_every_line_and_the_next_none(game):
     assert (again.code, again.built, again.end["current"]) == (0, [], len(ALL))
 
 
-@pytest.mark.usefixtures("built")
-def test_stale_lines_share_the_words_of_their_reasons(monkeypatch):
+@pytest.fixture
+def stale(built, monkeypatch):  # noqa: ARG001 the current folder
+    """Return the planned lines of a project in which every need has changed."""
     monkeypatch.setattr(needs.PairNeeds, "current", lambda *_: bytes(8))
     project = ProjectBuild.open()
     with Records.open(project.folder) as known:
-        stale = project.plan(known).stale
+        return project.plan(known).stale
+
+
+def test_stale_lines_share_the_words_of_their_reasons(stale):
     reasons = [one for step in stale for one in step.reasons]
     assert sorted(step.line.name for step in stale) == ALL
     assert len({id(one) for one in reasons}) == len({*reasons}) < len(reasons)
 
 
-@pytest.mark.usefixtures("built")
-def test_a_stale_line_keeps_text_alone_beside_its_reasons(monkeypatch):
-    monkeypatch.setattr(needs.PairNeeds, "current", lambda *_: bytes(8))
-    project = ProjectBuild.open()
-    with Records.open(project.folder) as known:
-        stale = project.plan(known).stale
+def test_a_stale_line_keeps_text_alone_beside_its_reasons(stale):
     assert stale
     for step in stale:
         assert step.record is None
