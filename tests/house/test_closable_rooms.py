@@ -30,6 +30,7 @@ ASKING = {
         *("test_build", "test_new_project", "test_planning_faults", "test_project"),
         *("test_script", "test_takes_builds"),
     ),
+    "reports/quality": ("test_articulography",),
     "resolver": ("test_posesets",),
     "sound/speech": (
         *("test_acoustic_models", "test_adaptation", "test_alignment", "test_lacking_words"),

@@ -5,10 +5,13 @@ import sys
 
 import numpy as np
 import pytest
-from lanes import full
+from lanes import full, needs_plug_ins
 
 from lipsync_lang import resolve
 from lipsync_lang.reports.quality.baselines import keyframes
+
+
+pytestmark = needs_plug_ins
 
 
 @pytest.fixture
