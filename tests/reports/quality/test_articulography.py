@@ -10,7 +10,6 @@ from lanes import full, needs_plug_ins
 from lipsync_lang import resolve
 from lipsync_lang.reports.quality.baselines import keyframes
 
-
 pytestmark = needs_plug_ins
 
 
