@@ -139,9 +139,8 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
         regions=_regions(poseset.model),
         intensity=_plain(poseset.model.intensity.model_dump()) if poseset.model.intensity else None,
         delivery=_delivery(who.model),
-        line_deliveries={  # what a line states, except its curve edits
-            name: _delivery(one) | _plain(one.model_dump(exclude={"edits"}, exclude_defaults=True))
-            for name, one in who.model.lines.items()
+        line_deliveries={
+            name: _line_delivery(one, model.name) for name, one in who.model.lines.items()
         },
         motion=motion,
         gestures=_gestures(poseset, model.gesture_words),
@@ -379,6 +378,21 @@ def _posture(poseset: models.PoseSet) -> dict[str, Any]:
 def _delivery(manner: models.Delivery) -> dict[str, Any]:
     """Return a delivery as plain data."""
     return _plain({"styles": manner.styles, "dials": manner.dials, "gestures": manner.gestures})
+
+
+def _line_delivery(line: models.LineEdits, language: str) -> dict[str, Any]:
+    """Return what a line states in one language, except its curve edits.
+
+    An entry of `languages` takes the place of the line's own words; `further` marks it.
+    """
+    stated = line.model_dump(exclude={"edits", "languages"}, exclude_defaults=True)
+    if language in line.languages:
+        words = line.languages[language].model_dump(exclude_defaults=True)
+        shared = {
+            key: one for key, one in stated.items() if key not in models.SpokenEdits.model_fields
+        }
+        stated = {**shared, **words, "language": language, "further": True}
+    return _delivery(line) | _plain(stated)
 
 
 def _gestures(poseset: Pack[models.PoseSet], words: models.GestureWords) -> dict[str, Any]:

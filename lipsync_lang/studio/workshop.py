@@ -22,6 +22,7 @@ from lipsync_lang.base.json_object import Json
 from lipsync_lang.packs.banks.write import empty_bank
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.models import SpokenEdits
 from lipsync_lang.packs.splicing import ABSENT, SplicedText
 from lipsync_lang.performing.delivery import corrected
 from lipsync_lang.performing.gesturing import ALL
@@ -42,6 +43,7 @@ from lipsync_lang.text.lines.cleaning import AS_WRITTEN, Cleaning
 from lipsync_lang.text.phonology.emphasis import as_marked
 
 if TYPE_CHECKING:
+    from lipsync_lang.packs.yaml.source import Loc
     from lipsync_lang.production.builds.planned_line import PlannedLine
 
 NAME_WORDS = 4
@@ -235,8 +237,7 @@ class Workshop:
             self.homes.clear()
 
         def rehearse(texts: Mapping[Path, SplicedText]) -> None:
-            contents = {path: text.content for path, text in texts.items()}
-            contents = {**self.desk.contents, **contents}
+            contents = {**self.desk.contents, **{at: text.content for at, text in texts.items()}}
             self.pair()  # so that there is one to change
             pair = None if self._pair is None else self._pair.changed(contents, texts)
             rehearsed.append(pair or self._open(contents))
@@ -369,9 +370,8 @@ class Workshop:
             with suppress(LipsyncError):  # as it is, the line can be performed
                 self._align(text)
         whole = corrected(stated, compiled, self.line.opened, self.name)
-        changes = stated.get("phonemes", ())
         used = whole.labels != self.line.opened.labels
-        self.line.changes = changes if used else ()
+        self.line.changes = stated.get("phonemes", ()) if used else ()
         self.line.retime(whole)
         known = self.name if self.name in compiled.line_edits else None
         self.settings = LineSettings.of(stated, whole, self.settings.fps, known)
@@ -396,25 +396,28 @@ class Workshop:
         """Make the changes of the open line one step, which undo reverts and saving writes."""
         if self.line is None:
             return
-        compiled = self.performer.compiled
+        language = self.performer.compiled.language
         before = self._stated.get(self.name)
-        now = self._statement(compiled.language)
+        foreign = self._foreign(before or {}, language)
         old = {
             key: value if key == "bends" else brief(value)
             for key, value in (before or {}).items()
-            if value
+            if value and not (foreign and key in SpokenEdits.model_fields)
         }
-        same = all(old.get(key, ABSENT) == now[key] for key in CHANGES)
-        if same and old.get("text", self.plain_text) == self.text:
+        now = self._statement(language).items()
+        new = {key: one for key, one in now if old.get(key, ABSENT) != one}
+        if new.keys().isdisjoint(CHANGES) and old.get("text", self.plain_text) == self.text:
             return
         path, text = self.editable("character")
-        at = ("lines", self.name)
-        edits: list[PackEdit]
-        if before is None:
-            edits = [(path, at, {key: one for key, one in now.items() if one is not ABSENT})]
-        else:
+        at: Loc = ("lines", self.name)
+        edits: list[PackEdit] = [(path, at, new)]
+        if before is not None:
+            place = (*at, "languages", language) if foreign or "further" in before else at
+            own = dict.fromkeys(SpokenEdits.model_fields, place)
             edits = [
-                (path, (*at, key), one) for key, one in now.items() if old.get(key, ABSENT) != one
+                (path, (*own.get(key, at), key), one)
+                for key, one in new.items()
+                if key != "language" or place is at
             ]
         if text is not None:
             # One step with the new file, so that undo removes it as well.
@@ -423,14 +426,20 @@ class Workshop:
         self.edit(title, edits, tab=tab, merge=merge and f"{self.name} {merge}")
         self.follow()
 
+    def _foreign(self, stated: Mapping[str, Any], language: str) -> bool:
+        """Return True if a statement is of the line in another language."""
+        text = stated.get("text", self.plain_text)
+        if "language" in stated or self.script_line is None:
+            return bool(stated.get("language", language) != language)
+        return as_marked(self.plain_text, text) != text
+
     def _statement(self, language: str) -> dict[str, Any]:
         """Return what a character's file states for the open line; `ABSENT` for nothing."""
         line = self.spoken
         whole, opened = line.whole, line.unmoved
-        pairs = zip(whole.words, opened.words, strict=True)
         emphasis = [
             [number, new.emphasis]
-            for number, (new, old) in enumerate(pairs)
+            for number, (new, old) in enumerate(zip(whole.words, opened.words, strict=True))
             if new.emphasis != old.emphasis
         ]
         moved = np.abs(whole.times - opened.times) > LEAST_MOVE
@@ -502,8 +511,13 @@ class Workshop:
         """Return the lines of the open language with their characters: of the script, or kept."""
         language, character = self.opened_pair()
         found = self.script.named(language, character)
-        kept = [name for name, line in self._stated.items() if line.get("language") == language]
-        return found or [(name, character) for name in kept if self._stated[name].get("text")]
+        return found or [(name, character) for name in self._kept()]
+
+    def _kept(self) -> dict[str, str]:
+        """Return the texts of the lines that the character keeps in the open language, by name."""
+        rows, language = self._stated.items(), self.opened_pair()[0]
+        own = {name: line for name, line in rows if line.get("language") == language}
+        return {name: line["text"] for name, line in own.items() if line.get("text")}
 
     def aside(self, name: str, character: str) -> "Workshop":
         """Return a workshop with the same packs and edits, and another line open in it."""
@@ -538,8 +552,7 @@ class Workshop:
         }
         if not self.language:
             return data
-        performer = self.performer
-        compiled = performer.compiled
+        compiled = self.performer.compiled
         poseset = self.library().poseset(compiled.poseset).model.having(compiled.poses)
         return data | {
             "poseset": compiled.poseset,
@@ -552,13 +565,7 @@ class Workshop:
             "regions": compiled.regions,
             "styles": list(compiled.style_names),
             "lines": list(compiled.line_edits),
-            "kept": [
-                line["text"]
-                for name, line in self._stated.items()
-                if "text" in line
-                and not self.script.has(name)
-                and line.get("language") == compiled.language
-            ],
+            "kept": [text for name, text in self._kept().items() if not self.script.has(name)],
             "text": self.text,
             "settings": asdict(self.settings),
             "line": self.line is not None,

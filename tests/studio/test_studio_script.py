@@ -202,6 +202,53 @@ def test_corrected_boundaries_stay_with_their_line(folder):
     assert len(times(fresh)) != len(first)
 
 
+def test_a_mark_and_times_stay_when_the_line_is_changed_in_another_language(folder):
+    made = workshop_of(folder, "english", "facefx")
+    caller = Caller(made)
+
+    def opened(language, name="intro"):
+        caller.post("open", {"language": language, "character": "facefx"})
+        return times(unpacked(caller.post("script", {"name": name}))[0])
+
+    moved, marked = {}, {"english": "Please buy *five* maps.", "finnish": "Osta *viisi* karttaa."}
+    for language, text in marked.items():
+        first = opened(language)
+        made.text = text
+        moved[language] = times(
+            unpacked(caller.post("boundary/2", {"seconds": first[2] + 0.01}))[0]
+        )
+        assert moved[language] != first
+    made.save()
+    for language, text in marked.items():
+        assert (opened(language), made.text) == (moved[language], text)
+    stated = made.library().character("facefx").model.lines["intro"]
+    assert (stated.language, stated.text) == ("english", marked["english"])
+    assert stated.languages["finnish"].text == marked["finnish"]
+    opened("finnish")
+    caller.post("original")
+    made.save()
+    assert (opened("english"), made.text) == (moved["english"], marked["english"])
+
+
+def test_a_text_of_no_stated_language_stays_with_its_own(folder):
+    home = folder / "characters"
+    home.mkdir()
+    stated = "{intro: {text: Please buy *five* maps.}}"
+    (home / "facefx.yaml").write_text(
+        f"kind: character\nformat: 1\nname: facefx\nposeset: facefx\nlines: {stated}\n"
+    )
+    made = workshop_of(folder, "finnish", "facefx")
+    made.open_script_line("intro")
+    assert made.text == "Osta viisi karttaa."
+    made.text = "Osta *viisi* karttaa."
+    made.keep("Mark")
+    made.save()
+    for language, text in (("english", "Please buy *five* maps."), ("finnish", made.text)):
+        made.open(language, "facefx")
+        made.open_script_line("intro")
+        assert made.text == text
+
+
 def test_saved_timings_are_named_like_their_line(folder):
     caller = Caller(workshop_of(folder, "english", "facefx"))
     caller.post("script", {"name": "intro"})

@@ -30,6 +30,7 @@ from lipsync_lang.packs.models.pose_models import LineEdits as LineEdits
 from lipsync_lang.packs.models.pose_models import PhonemeTarget as PhonemeTarget
 from lipsync_lang.packs.models.pose_models import Pose as Pose
 from lipsync_lang.packs.models.pose_models import PoseSet as PoseSet
+from lipsync_lang.packs.models.pose_models import SpokenEdits as SpokenEdits
 from lipsync_lang.packs.models.pose_models import Threshold as Threshold
 from lipsync_lang.packs.models.pose_models import TrigramCurves as TrigramCurves
 from lipsync_lang.packs.models.project_models import Project as Project

@@ -58,7 +58,6 @@ Softness = Annotated[float, Field(ge=0, le=0.2)]
 AnticipateSeconds = Annotated[float, Field(ge=0, le=1)]
 """Seconds by which a pose begins before its sound."""
 
-
 MouthOrigin = Literal["declared", "solved"]
 """Origin of the targets of a face with a model."""
 
@@ -120,11 +119,9 @@ class AtMost(Strict):
 
 def _constraint_form(value: Data) -> str:
     """Return the tag of a constraint's form, by its fields."""
-    if isinstance(value, AtMost):
-        return "<at_most>"
+    stated = isinstance(value, dict) and ("at_most" in value or "pose" in value)
     # a tag in `<...>` is no step of the file, and faults leave it out of their place
-    at_most = isinstance(value, dict) and ("at_most" in value or "pose" in value)
-    return "<at_most>" if at_most else "<between>"
+    return "<at_most>" if stated or isinstance(value, AtMost) else "<between>"
 
 
 Constraint = Annotated[
@@ -487,19 +484,12 @@ SomeLabels = Annotated[tuple[Label, ...], Field(min_length=1)]
 """Labels of phonemes in the notation of a line."""
 
 
-class LineEdits(Delivery):
-    """Words, times, delivery and edits of one line, as a person changed them."""
+class SpokenEdits(Strict):
+    """Words, sounds and times of one line in one language, as a person changed them."""
 
-    language: Name | None = None
-    """The language of the times and the emphasis, which other languages do not use."""
     text: Text | None = None
     """The text, for a line that is in no script. If it differs from that of the script in marks of
     emphasis alone, it takes its place."""
-    intensity: LevelNumber | None = None
-    """The effect of loudness: 0 none, 1 as the pose set says, 2 double."""
-    bends: dict[PoseName, BendKeys] = Field(default={})
-    """Keys that are added to poses: [word, amount] from -1 to 1, faded before the first key and
-    after the last."""
     emphasis: tuple[tuple[Annotated[int, Field(ge=0)], LevelNumber], ...] = ()
     """Emphasis of words: [word, level], from word 0."""
     phonemes: tuple[tuple[Annotated[int, Field(ge=0)], SomeLabels, SomeLabels], ...] = ()
@@ -507,6 +497,20 @@ class LineEdits(Delivery):
     times: tuple[tuple[Annotated[int, Field(ge=0)], float, float], ...] = ()
     """Moved boundaries: [number, seconds before, seconds now]; boundary 0 is the line's start, and
     changed phonemes count as they are now."""
+
+
+class LineEdits(SpokenEdits, Delivery):
+    """Words, times, delivery and edits of one line, as a person changed them."""
+
+    language: Name | None = None
+    """The language of the text, emphasis, phonemes and times, which other languages do not use."""
+    languages: dict[Name, SpokenEdits] = Field(default={})
+    """Text, emphasis, phonemes and times in further languages, in place of those of the line."""
+    intensity: LevelNumber | None = None
+    """The effect of loudness: 0 none, 1 as the pose set says, 2 double."""
+    bends: dict[PoseName, BendKeys] = Field(default={})
+    """Keys that are added to poses: [word, amount] from -1 to 1, faded before the first key and
+    after the last."""
     placed: tuple[GestureByHand, ...] = ()
     """Gestures that a person placed; those of their kind that come by rule keep clear of them."""
     edits: tuple[Edit, ...] = ()
