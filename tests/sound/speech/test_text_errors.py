@@ -96,23 +96,28 @@ def test_a_right_text_has_no_such_remark(english, spoken):
 
 
 @pytest.mark.parametrize(
-    ("order", "named"),
+    ("order", "named", "texts"),
     [
-        ([2, 0, 1, 3], None),
-        ([1, 0, 2, 3], (1, -1)),
-        ([2, 3, 0, 1], (0, 3)),
-        ([0, 1, 2, 3], None),
-        ([1, 0, 3, 2], (1, -1)),
-        ([3, 0, 1], (3, -1)),
+        ([2, 0, 1, 3], None, ""),
+        ([1, 0, 2, 3], (1, -1), ""),
+        ([2, 3, 0, 1], (0, 3), ""),
+        ([0, 1, 2, 3], None, ""),
+        ([1, 0, 3, 2], (1, -1), ""),
+        ([3, 0, 1], (3, -1), ""),
+        ([2, 3, 0, 1], (0, 3), "The dog the apple"),
+        ([3, 0, 1], None, "The dog of the"),
+        ([2, 3, 0, 1], None, "The dog THE dog"),
     ],
 )
-def test_no_place_is_named_that_sounds_as_one_of_the_text(order, named, monkeypatch):
+def test_no_place_is_named_that_sounds_or_reads_as_one_of_the_text(
+    order, named, texts, monkeypatch
+):
     way = [(word, Run(word, 9 * at, 9 * at + 9)) for at, word in enumerate(order)]
     monkeypatch.setattr(TextErrors, "_likeliest_order", lambda _: way)
     errors = object.__new__(TextErrors)
     errors._ways = [(1, 2), (3,), (1, 2), (4,)]
     errors._start, errors._within = 0, slice(0, 36)
-    found = errors.moved_word()
+    found = errors.moved_word(texts.split())
     assert (found and found[:2]) == named
 
 

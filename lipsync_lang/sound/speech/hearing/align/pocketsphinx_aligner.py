@@ -96,15 +96,15 @@ class PocketsphinxAligner(BatchAligner):
             )
         audio = one[0]()
         sound = PreparedSound.of(audio)
+        texts = [saying.text for saying in sayings]
         ways: list[Pronunciations] = [saying.ways for saying in sayings]
         if isinstance(one[1], SureText) and one[1].spans:
-            said = touched((saying.text for saying in sayings), one[1], one[1].spans)
+            said = touched(texts, one[1], one[1].spans)
             ways = [SureWord(way) if own else way for way, own in zip(ways, said, strict=True)]
-        heard, sure, moved, unwritten = found_line(models, sound, ways)
+        heard, sure, moved, unwritten = found_line(models, sound, ways, texts)
         if not heard:
             raise SpeechError(unfit(audio, sum(len(word.labels) for word in transcript.words)))
         agreeing = confidence(models, heard)
-        texts = [saying.text for saying in sayings]
         told = [] if moved is None else [moved.told(texts)]
         if unwritten:
             places = listed([one.told(texts) for one in unwritten])

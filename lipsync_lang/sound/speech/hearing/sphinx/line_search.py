@@ -199,24 +199,24 @@ class TextErrors:
         speech = [n for n in range(len(model.alone)) if n not in model.fillers]
         self._best = self._alone[:, speech].max(axis=(1, 2))
 
-    def moved_word(self) -> MovedWord | None:
+    def moved_word(self, texts: Sequence[str] = ()) -> MovedWord | None:
         """Return the word that fits much better in another place, if there is one.
 
         Of two parts that are exchanged, it is the first word of the sound, or that of the text. A
-        place that sounds as one of the text is none: a word is repeated, or another one sounds so.
+        place that sounds as one of the text is none, and neither is one with the words of one, if
+        `texts` has them: a word is repeated, or another one sounds so.
         """
-        way = self._likeliest_order()
+        way, texts = self._likeliest_order(), [text.casefold() for text in texts]
         order = list(dict.fromkeys(word for word, _ in way))
         if order == sorted(order):
             return None
-        pairs = {*pairwise([(), *self._ways])}
         rests = [[*order[:at], *order[at + 1 :]] for at in range(len(order))]
         moved = [n for n, rest in enumerate(rests) if rest == sorted(rest)]
         # without a single word that moved, parts are exchanged, or words at several places
         moved = moved or [n for n, one in enumerate(order) if one - 1 not in order[n - 1 : n]]
         for at in moved:
             after = order[at - 1] if at else OUTSIDE
-            if (self._ways[after] if at else (), self._ways[order[at]]) not in pairs:
+            if not any(_follows(known, after, order[at]) for known in (self._ways, texts)):
                 first = next(run.first for word, run in way if word == order[at])
                 return MovedWord(order[at], after, first + self._start + self._within.start)
         return None
@@ -345,6 +345,12 @@ class TextErrors:
         return likeliest_way(scores, stay, graph.before, ends, turns) or []
 
 
+def _follows(words: Sequence[object], before: int, word: int) -> bool:
+    """Return True if a word equal to one follows a word equal to another, or begins the text."""
+    known = [None, *words]
+    return bool(words) and (known[before + 1], words[word]) in pairwise(known)
+
+
 class FoundLine(NamedTuple):
     """Phonemes of a line, if its words were found, with its confidence and errors of its text."""
 
@@ -355,7 +361,10 @@ class FoundLine(NamedTuple):
 
 
 def found_line(
-    models: "Models", sound: PreparedSound, words: Sequence[Pronunciations]
+    models: "Models",
+    sound: PreparedSound,
+    words: Sequence[Pronunciations],
+    texts: Sequence[str] = (),
 ) -> FoundLine:
     """Search for words in a sound, without a steady noise before and after the voice.
 
@@ -365,15 +374,17 @@ def found_line(
     end = -(-len(sound) // HOP_SAMPLES)
     first, stop = voice_span(sound, end)
     if stop - first < end:
-        inside = _in_parts(models, sound.part(first, stop), words)
+        inside = _in_parts(models, sound.part(first, stop), words, texts)
         if inside.heard:
             return _placed(inside, (first, stop), end)
-    return _in_parts(models, sound, words)
+    return _in_parts(models, sound, words, texts)
 
 
-def _in_parts(models: "Models", sound: PreparedSound, words: Sequence[Pronunciations]) -> FoundLine:
+def _in_parts(
+    models: "Models", sound: PreparedSound, words: Sequence[Pronunciations], texts: Sequence[str]
+) -> FoundLine:
     """Search for words in a sound, and in its parts if they hardly fit."""
-    whole = _found(models, sound, words)
+    whole = _found(models, sound, words, texts)
     sure = whole.sure >= DOUBTFUL and not whole.unwritten
     if sure or len(sound) > MAX_PARTED_FRAMES * HOP_SAMPLES:
         return whole
@@ -401,6 +412,7 @@ def _found(
     models: "Models",
     sound: PreparedSound,
     words: Sequence[Pronunciations],
+    texts: Sequence[str] = (),
     margin: int = ORDER_MARGIN_FRAMES,
 ) -> FoundLine:
     heard, features = best_heard(models, sound, words)
@@ -409,7 +421,7 @@ def _found(
     if sure < MOVED_CONFIDENCE or len(features) > WINDOW_FRAMES or len(words) < MIN_WORDS:
         return FoundLine(heard, sure)
     errors = TextErrors(models.model, centred(features, heard)[:], words, heard, margin)
-    moved = errors.moved_word()
+    moved = errors.moved_word(texts)
     sure = sure if moved is None else min(sure, MOVED_CONFIDENCE)
     return FoundLine(heard, sure, moved, tuple(errors.unwritten()))
 
