@@ -653,7 +653,7 @@ def cleared(part: Part, up: float, back: float) -> Part:
 
 def mouth_parts() -> list[Part]:
     """Teeth, gums and tongue."""
-    upper, lower = LINE + 0.35, LINE - 0.52
+    upper, lower = LINE + 0.35, LINE - 0.36
     uppers = cleared(tooth_row("teeth", upper, 0.52), *UP)
     lowers = cleared(on_jaw(tooth_row("lower teeth", lower, 0.46, back=0.3)), *DOWN)
     gums = [

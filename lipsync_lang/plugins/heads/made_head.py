@@ -180,6 +180,9 @@ def make_head(model: FaceModel, wish: HeadWish) -> MadeHead:
         for number, name in enumerate(recipe["surfaces"])
     }
     points[on["teeth"], 0] -= recipe["teeth_nearer"] * np.sign(points[on["teeth"], 0])
+    row = recipe["lower_teeth"]
+    lower = (on["teeth"] | on["gums"]) & shapes[row["moved_by"]].any(axis=1)
+    points[lower, 1] += row["higher"]
     pupils = np.array([[rim[0], *pair] for rim in recipe["rims"] for pair in pairwise(rim[1:])])
     seen = surface >= 0
     triangles = np.concatenate([neutral.triangles[seen], pupils])
