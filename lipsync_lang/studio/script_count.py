@@ -263,17 +263,15 @@ def script_needs(workshop: Workshop) -> dict[str, tuple[int, str]]:
     report = script_of(workshop).report(workshop, 1.0)
     if report is None:
         return {}
-    rows = (*report.bigrams, *report.silence)
-    return {row.bigram: (row.count, row.example) for row in rows}
+    return {row.bigram: (row.count, row.example) for row in (*report.bigrams, *report.silence)}
 
 
 def scripts_in(project: Path) -> list[str]:
     """List possible scripts among the files of a project, without its packs."""
-    packs = {*FOLDERS.values()}
     found: list[str] = []
     for number, (here, folders, files) in enumerate(os.walk(project)):
-        top = Path(here) == project
-        folders[:] = sorted(f for f in folders if f[:1] != "." and not (top and f in packs))
+        packs = FOLDERS.values() if Path(here) == project else ()
+        folders[:] = sorted(f for f in folders if f[:1] != "." and f not in packs)
         names = (name for name in sorted(files) if name[:1] != ".")
         known = (name for name in names if Path(name).suffix.lower() in by_suffix())
         found += [(Path(here) / name).relative_to(project).as_posix() for name in known]

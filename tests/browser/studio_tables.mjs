@@ -51,6 +51,7 @@ const stories = {
     await page.waitForSelector(".needs button.pair");
     const plan = await page.$$eval(".needs .pair", (all) => all.map((one) => one.textContent));
     const script = await page.$eval("[aria-label=Script]", (one) => one.selectedOptions[0].textContent);
+    const accepted = await page.$eval("[aria-label='Script to open']", (one) => one.accept);
     const facts = await page.textContent(".facts");
     await page.click("text=Lines of the script");
     const sentence = await page.textContent(".sentence p");
@@ -69,7 +70,7 @@ const stories = {
     await page.goto(address + "#bigrams");
     await page.waitForSelector(".wanted button");
     const wanted = await page.textContent(".wanted button b");
-    return { plan, script, facts, sentence, opened, wanted, unnamed };
+    return { plan, script, accepted, facts, sentence, opened, wanted, unnamed };
   },
 
   /** The word at the playhead gets curves of its own, a line its delivery; both are saved. */

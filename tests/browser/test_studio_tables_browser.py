@@ -18,6 +18,7 @@ from test_studio_language import PACK
 from lipsync_lang.packs.yaml.building import read_yaml
 from lipsync_lang.studio.server import app
 from lipsync_lang.studio.workshop import Workshop
+from lipsync_lang.text.lines.line_readers import by_suffix
 
 pytestmark = full
 
@@ -69,6 +70,7 @@ def test_a_script_shows_what_to_draw_next_and_leads_there(story):
     assert told["script"] == "<b>script.txt"
     assert told["plan"][0] == "bmp-aa"
     assert len(told["plan"]) == 4
+    assert told["accepted"].split(",") == sorted(by_suffix())
     assert "0 of 4" in told["facts"]
     assert told["sentence"].startswith(("ma pa", "ay ma"))
     assert (told["opened"], told["wanted"]) == ("#bigrams/bmp-aa", "bmp-aa")

@@ -48,6 +48,16 @@ def test_scripts_of_the_project_are_offered_without_its_packs(caller):
     assert (told["state"], told["report"]) == ("none", None)
 
 
+def test_the_page_offers_files_of_the_formats_that_are_read(workshop, caller):
+    known = caller.api("coverage").json["suffixes"]
+    assert ".txt" in known
+    for suffix in known:
+        (workshop.project / f"a{suffix}").write_text("ma", "utf-8")
+    (workshop.project / "a.unknown").write_text("ma", "utf-8")
+    offered = caller.api("coverage").json["offered"]
+    assert {one for one in offered if one.startswith("a.")} == {f"a{suffix}" for suffix in known}
+
+
 def test_a_script_of_the_project_is_counted(workshop, caller):
     assert caller.post("coverage", {"name": "texts/act.txt"}).status == 200
     told = counted(workshop, caller)

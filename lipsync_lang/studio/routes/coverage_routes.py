@@ -9,6 +9,7 @@ from lipsync_lang.resolver.layers import DRAFTED, FITTED
 from lipsync_lang.studio.routes.requests import StudioRequest, sent_file
 from lipsync_lang.studio.script_count import script_of, scripts_in
 from lipsync_lang.studio.workshop import Workshop
+from lipsync_lang.text.lines.line_readers import by_suffix
 
 MINUTES = 5.0
 """Default minutes to author a bigram, as in `coverage`."""
@@ -34,6 +35,7 @@ def coverage(workshop: Workshop, request: StudioRequest) -> Json:
     return {
         "script": {"name": script.name, "sent": script.sent, "column": script.column or ""},
         "offered": scripts_in(workshop.project),
+        "suffixes": sorted(by_suffix()),
         "report": None if report is None else _report_data(report),
     } | script.progress
 

@@ -36,12 +36,7 @@ export class CoverageView {
     /** @type {import("../payloads.js").NeededSentence[] | null} lines that show what is not drawn */
     this.sentences = null;
     this.choice = made("select", { "aria-label": "Script" });
-    this.file = made("input", {
-      type: "file",
-      hidden: "",
-      "aria-label": "Script to open",
-      accept: ".txt,.csv,.tsv,.xlsx,.json,.yaml,.yml,.po,.srt,.vtt,.rpy,.fountain,.md,.TextGrid",
-    });
+    this.file = made("input", { type: "file", hidden: "", "aria-label": "Script to open" });
     this.column = made("input", { type: "text", placeholder: "automatic", autocomplete: "off", spellcheck: "false" });
     this.minutes = made("input", {
       type: "number", min: "0.1", max: "600", step: "0.5", value: remembered("minutes") || MINUTES,
@@ -170,6 +165,7 @@ export class CoverageView {
   /** @param {any} told */
   #told(told) {
     this.told = told;
+    this.file.accept = told.suffixes.join();
     this.sentences = null;
     this.#options();
     this.#progress();
