@@ -146,11 +146,7 @@ def mouths_to_draw(sounds: Mapping[str, Any], named: Sequence[str] = ()) -> list
 
     A name is a label of any notation of the language, in any case, or a common phoneme. Sounds that
     pass through several mouths are left out unless they are named, because each of these has a row.
-
-    Raises
-    ------
-    OutputError
-        The language has no sounds, or none of this name.
+    Raises OutputError if the language has no sounds, or none of this name.
     """
     mouths = mouths_in(sounds)
     if not named:

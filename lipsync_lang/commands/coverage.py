@@ -181,13 +181,10 @@ class CorpusPart:
 def corpus_parts(options: Namespace) -> list[CorpusPart]:
     """Return the parts of a corpus; languages of the same files and column share one.
 
-    Raises
-    ------
-    LipsyncError
-        Nothing is to be read, or a table has no column for a language.
+    Raises LipsyncError if nothing is to be read, or a table has no column for a language.
     """
+    from lipsync_lang.base.files.names import BRACES, fill
     from lipsync_lang.packs.finding import Finder, folders_of
-    from lipsync_lang.packs.models.project_models import BRACES, fill
     from lipsync_lang.reports.coverage.reading_cache import is_recording, unwritten
     from lipsync_lang.text.lines.line_readers import TableLayout, line_files
 

@@ -28,10 +28,7 @@ _log = logging.getLogger(__name__)
 def fill(options: Namespace) -> None:
     """Fill unset options from the project file.
 
-    Raises
-    ------
-    LipsyncError
-        The project is unsound, or the language or face is undefined.
+    Raises LipsyncError if the project is unsound, or the language or face is undefined.
     """
     if named := getattr(options, "path", []):
         name_folders((find_project() or Path(FILE).absolute()).parent, named)

@@ -45,12 +45,16 @@ def find_project(folder: Path | None = None) -> Path | None:
     return next((path for path in found if path.is_file()), None)
 
 
-def load_project(path: Path) -> "Pack[Project]":
-    """Read a project file; raise an error if it is unsound, or a link out of its folder."""
+def load_project(path: Path, content: bytes | None = None) -> "Pack[Project]":
+    """Read a project file; raise an error if it is unsound, or a link out of its folder.
+
+    `content` is that of the file, if it was read before.
+    """
     from lipsync_lang.packs.library import Library
 
     refuse_outside(path, path.parent)
-    pack = cast("Pack[Project]", Library(project=None).load(path, PROJECT))
+    unsaved = {} if content is None else {path: content}
+    pack = cast("Pack[Project]", Library(project=None, unsaved=unsaved).load(path, PROJECT))
     if faults := [*check_paths(pack)]:
         from lipsync_lang.packs.yaml.faults import PackFaults
 

@@ -54,15 +54,13 @@ def delivery(
 ) -> tuple[tuple[Blend, ...], tuple[Dial, ...]]:
     """Return the style blends and region dials of a line.
 
+    Raises LipsyncError if a style or region is unknown, a level is out of range, or the line has
+    fewer words.
+
     Parameters
     ----------
     line : name of a line of the character, which may have its own settings
     styles, dials : settings of the call; they override those of the character and the line
-
-    Raises
-    ------
-    LipsyncError
-        A style or region is unknown, a level is out of range, or the line has fewer words.
     """
     usual, special = compiled.delivery, compiled.line_deliveries.get(line or "", {})
     # most lines have neither, and need no arrays
@@ -137,10 +135,8 @@ def bends_of(
 ) -> tuple[Bend, ...]:
     """Return the bends of a line: its own keys by pose, overridden by those of the call.
 
-    Raises
-    ------
-    LipsyncError
-        A pose is unknown, an amount is out of range, or the line has fewer words.
+    Raises LipsyncError if a pose is unknown, an amount is out of range, or the line has fewer
+    words.
     """
     stated = compiled.line_deliveries.get(line or "", {}).get("bends", {})
     found = {
@@ -311,17 +307,13 @@ def overlays(
     """Find the edits of a character that apply to a schedule.
 
     Their addresses do not depend on time, so edits apply to any recording: word 2 is the third
-    word, and its phoneme 0 is its first sound. Pauses are not counted.
+    word, and its phoneme 0 is its first sound. Pauses are not counted. Raises LipsyncError if the
+    character has no edits for the line, or an edit names a missing word or phoneme.
 
     Parameters
     ----------
     silent : True for each scheduled phoneme that is silence
     line : name of the line; its edits override the word edits of the character
-
-    Raises
-    ------
-    LipsyncError
-        The character has no edits for the line, or an edit names a missing word or phoneme.
     """
     if line is not None and line not in compiled.line_edits:
         raise LipsyncError(

@@ -225,6 +225,9 @@ def loudness_dial(  # noqa: PLR0913, PLR0917 the loudness, and settings for it
 ) -> Dial | None:
     """Return the dial for loudness; None if the intensity is 0.
 
+    Raises LipsyncError if the intensity is out of range, the pose set names no region, or the
+    schedule has no audio.
+
     Parameters
     ----------
     spoken : (n,) False for silence
@@ -232,11 +235,6 @@ def loudness_dial(  # noqa: PLR0913, PLR0917 the loudness, and settings for it
         motion's `loudness`, without an error if there is no sound or no region
     motion : its `loudness` and `reference_level`
     poses : (P,) True for the poses that effort moves
-
-    Raises
-    ------
-    LipsyncError
-        The intensity is out of range, the pose set names no region, or the schedule has no audio.
     """
     stated = compiled.intensity
     if intensity is None:

@@ -79,12 +79,8 @@ def scales_of(
 ) -> list[float] | None:
     """Return the factor of each gesture; None if all are off.
 
-    Settings of a call come on top of those of the line, or else the character.
-
-    Raises
-    ------
-    LipsyncError
-        A gesture is unknown, a factor out of range, or the pose set has no gestures.
+    Settings of a call come on top of those of the line, or else the character. Raises LipsyncError
+    if a gesture is unknown, a factor out of range, or the pose set has no gestures.
     """
     stated = _parsed(asked) if isinstance(asked, str) else dict(asked or {})
     if not stated:
@@ -290,10 +286,7 @@ def placed_by_hand(
 ) -> list[PlacedGesture]:
     """Return the gestures that a call places in a line, or else the character's file.
 
-    Raises
-    ------
-    LipsyncError
-        A gesture or a word does not exist, or a field of a call is wrong.
+    Raises LipsyncError if a gesture or a word does not exist, or a field of a call is wrong.
     """
     words, own = schedule.words, performer.gesture_set
     found, names = [], [shape.name for shape in own.shapes]

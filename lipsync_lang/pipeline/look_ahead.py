@@ -47,10 +47,7 @@ class LookAhead:
     def of(cls, prepared: StageValues, motion: Motion, fps: float) -> Self:
         """Add up the dependencies of the stages.
 
-        Raises
-        ------
-        OverflowError
-            A stage looks at any distance.
+        Raises OverflowError if a stage looks at any distance.
         """
         reach = prepared.reach
         ahead = {name: int(look.ahead) for name, look in reach.items()}

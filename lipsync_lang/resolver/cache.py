@@ -144,22 +144,26 @@ def _read(names: Sequence[str], paths: Sequence[Path]) -> tuple[dict[str, Any], 
 
 def save(compiled: CompiledPair, language: str, character: str, library: "Library") -> None:
     """Write a compiled pair to the cache; a cache that cannot be written is not an error."""
+    key = _key((language, character), library.paths)
+    path = _path(key)
+    if path is not None:
+        keep(path, MARK, _encode(compiled, key, library))
+        delete_oldest(path.parent, "*.pair", MAX_CACHE_BYTES)
+
+
+def keep(path: Path | None, mark: bytes, parts: Iterable[bytes | memoryview]) -> None:
+    """Write a sealed file of the cache; a cache that cannot be written is not an error."""
     from lipsync_lang.base.errors import OutputError
     from lipsync_lang.base.files import atomic
 
-    key = _key((language, character), library.paths)
-    path = _path(key)
     if path is None:
         return
-    try:
+    with suppress(OSError, OutputError):
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         if CACHE_VARIABLE not in os.environ:  # a folder named by the user keeps its own permissions
             path.parent.chmod(0o700)
         with atomic(path) as stream:
-            stream.writelines(_encode(compiled, key, library))
-    except (OSError, OutputError):
-        return
-    delete_oldest(path.parent, "*.pair", MAX_CACHE_BYTES)
+            stream.writelines(sealed(mark, parts))
 
 
 def delete_oldest(where: Path, pattern: str, most: int) -> None:
@@ -223,7 +227,7 @@ def _encode(compiled: CompiledPair, key: str, library: "Library") -> list[bytes 
     text = json.dumps(head, ensure_ascii=False).encode()
     start = len(text).to_bytes(8, "little") + text
     start += b"\0" * (-len(start) % ALIGNMENT)
-    return sealed(MARK, [start, *body])
+    return [start, *body]
 
 
 def _fresh(head: dict[str, Any], paths: Sequence[Path]) -> bool:

@@ -166,14 +166,12 @@ def model_phones() -> ModelPhones | None:
 def phones_beside(folder: Path, names: Sequence[str]) -> ModelPhones | None:
     """Return the search for phones of a model, by the file beside it; None without one.
 
+    Raises SpeechError if a phone has no letters, or the file has another phone, or a letter that is
+    no IPA.
+
     Parameters
     ----------
     names : phones of speech in the model
-
-    Raises
-    ------
-    SpeechError
-        A phone has no letters, or the file has another phone, or a letter that is no IPA.
     """
     path = folder / PHONES_FILE
     if not path.is_file():

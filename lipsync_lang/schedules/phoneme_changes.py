@@ -37,10 +37,7 @@ def misfit(schedule: Schedule, changes: Sequence[PhonemeChange]) -> str:
 def with_changes(schedule: Schedule, changes: Sequence[PhonemeChange]) -> Schedule:
     """Return a schedule with other phonemes; their words stay.
 
-    Raises
-    ------
-    ScheduleError
-        A word would have no phoneme left.
+    Raises ScheduleError if a word would have no phoneme left.
 
     Examples
     --------

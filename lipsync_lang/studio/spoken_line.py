@@ -117,12 +117,8 @@ class SpokenLine:
         """Find the times of the words of a span in the sound of that span alone.
 
         The phonemes stay. Pauses beside the span are heard too, and give or take time; boundaries
-        with sounds of other words stay.
-
-        Raises
-        ------
-        LipsyncError
-            The line has no sound, the span has no words, or the aligner finds other words.
+        with sounds of other words stay. Raises LipsyncError if the line has no sound, the span has
+        no words, or the aligner finds other words.
         """
         first, stop = self._span(seconds)
         line, cuts = self.whole, self.cuts(seconds)

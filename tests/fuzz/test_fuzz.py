@@ -41,6 +41,7 @@ NO_TARGET = {
     "text/lines/script_formats.py": "a table of our own",
     "text/lines/markup.py": "a table of our own",
     "packs/yaml/value_text.py": "templates of our own",
+    "production/builds/known_projects.py": "a project, and a cache of our own, both with tests",
     "production/builds/timing.py": "a cache of our own, which has tests of its own",
     "reports/coverage/reading_cache.py": "a cache of our own, which has tests of its own",
     "base/presentation/pages.py": "templates of our own",

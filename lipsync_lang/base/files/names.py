@@ -5,6 +5,7 @@ takes for another file, is refused everywhere.
 """
 
 import re
+from collections.abc import Mapping
 from unicodedata import normalize
 
 MAX_NAME_BYTES = 200
@@ -15,6 +16,18 @@ RESERVED = re.compile(r"(?:con|prn|aux|nul|com[0-9¹²³]|lpt[0-9¹²³])(?:\..*
 
 _USUAL = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*", re.ASCII)
 _UNFIT = re.compile(r'[<>:"|?*]')
+
+
+PLACEHOLDER = re.compile(r"\{\{|\}\}|\{[^{}]*\}")
+"""Part of a path that stands for something else."""
+
+BRACES = {"{{": "{", "}}": "}"}
+"""Doubled braces, which stand for single ones in names of files."""
+
+
+def fill(pattern: str, values: Mapping[str, str]) -> str:
+    """Put values for placeholders, and for doubled braces, into a path."""
+    return PLACEHOLDER.sub(lambda found: values.get(found[0], found[0]), pattern)
 
 
 def fault_of_name(name: str) -> str:

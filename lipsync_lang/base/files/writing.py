@@ -57,16 +57,13 @@ def replace_file(source: Path, target: Path) -> None:
 def atomic(path: Path, *, durable: bool = False) -> Iterator[BinaryIO]:
     """Open a stream whose bytes appear at `path` only if the block ends without an error.
 
+    Raises OutputError if the folder is missing or read-only, the file is read-only, the disk is
+    full, or `path` is a folder.
+
     Parameters
     ----------
     path : a file, a link to one, a device, a pipe, or ``-`` for standard output
     durable : call `fsync`, so that a power loss leaves either the old file or the new one
-
-    Raises
-    ------
-    OutputError
-        The folder is missing or read-only, the file is read-only, the disk is full, or `path` is a
-        folder.
     """
     with _prepared(durable=durable) as outputs, _worded(path):
         yield outputs.open(path)

@@ -1,6 +1,7 @@
 """Checks of the voices that language packs name, against the speech engine that is installed."""
 
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ if TYPE_CHECKING:
     from lipsync_lang.packs import models
     from lipsync_lang.packs.pack import Pack
     from lipsync_lang.packs.yaml.source import Loc
+    from lipsync_lang.text.phonology.manner import Manner
 
 ESPEAK = "espeak"
 """The engine whose voices are known without a system package."""
@@ -33,6 +35,19 @@ def check_voices(languages: "Iterable[Pack[models.Language]]") -> Iterator[Fault
         if voice in missing:
             what = f"eSpeak NG has no voice '{voice}'"
             yield pack.fault(loc, "P226", what, missing[voice])
+
+
+def lacks_voice(manner: "Manner") -> bool:
+    """Return True if a resolved language names a voice that the engine lacks; its pack says where.
+
+    Thus a build reads no pack for it.
+    """
+    own = manner.engine, manner.settings.voice
+    stated = (own, manner.voice or ("", ""), *manner.others.items())
+    named = {voice for engine, voice in stated if engine == ESPEAK and voice}
+    with suppress(SpeechError):
+        return bool(named and _missing(tuple(sorted(named))))
+    return False
 
 
 @cache

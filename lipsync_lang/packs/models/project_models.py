@@ -1,14 +1,13 @@
 """The model of `lipsync.yaml`, which states once what a folder's commands leave out."""
 
 import re
-from collections.abc import Mapping
 from pathlib import PureWindowsPath
 from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from lipsync_lang.base.files.names import fault_of_name
+from lipsync_lang.base.files.names import BRACES, PLACEHOLDER, fault_of_name
 from lipsync_lang.packs.models.fields import (
     Name,
     NotNegative,
@@ -26,18 +25,8 @@ from lipsync_lang.packs.yaml.source import Data
 
 _RATE_PATTERN = r"^\d+(\.\d+)?(/\d+)?$"
 
-_PLACEHOLDER = re.compile(r"\{\{|\}\}|\{[^{}]*\}")
-
-BRACES = {"{{": "{", "}}": "}"}
-"""Doubled braces, which stand for single ones in names of files."""
-
 PLACEHOLDERS = ("id", "line", "language", "character", "speaker")
 """Placeholders of outputs; `line` is `id`."""
-
-
-def fill(pattern: str, values: Mapping[str, str]) -> str:
-    """Put values for placeholders, and for doubled braces, into a path."""
-    return _PLACEHOLDER.sub(lambda found: values.get(found[0], found[0]), pattern)
 
 
 def _outside(path: str) -> bool:
@@ -75,7 +64,7 @@ def _holding(*known: str) -> AfterValidator:
     allowed = {*listed, *(BRACES if known else ())}
 
     def check(text: str) -> str:
-        for name in _PLACEHOLDER.findall(text):
+        for name in PLACEHOLDER.findall(text):
             if name not in allowed:
                 what = "unknown placeholder '{name}'; known: {known}"
                 raise PydanticCustomError("P107", what, {"name": name, "known": ", ".join(listed)})

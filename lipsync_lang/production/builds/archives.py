@@ -79,10 +79,7 @@ def split_archive(path: str) -> tuple[str, str] | None:
 def members(path: Path) -> dict[str, Member]:
     """Return the members of an archive by name; none if there is no such file.
 
-    Raises
-    ------
-    OutputError
-        The file cannot be read, or is not an archive.
+    Raises OutputError if the file cannot be read, or is not an archive.
     """
     if not path.exists():
         return {}
@@ -97,18 +94,14 @@ def rewrite(path: Path, new: Mapping[str, NewMember], drop: Iterable[str] = ()) 
     """Add members to an archive and remove others; all other members do not change.
 
     A crash loses nothing, because the old archive is kept until the new one is complete. An empty
-    archive is deleted.
+    archive is deleted. Raises OutputError if the archive is damaged or encrypted, or cannot be
+    written.
 
     Parameters
     ----------
     path : the archive; its folder exists
     new : content by name, as bytes or as a file to read; they replace members of their names
     drop : names of members to remove; unknown names are ignored
-
-    Raises
-    ------
-    OutputError
-        The archive is damaged or encrypted, or cannot be written.
     """
     gone = {*drop} - {*new}
     if _holds_takes(path):

@@ -127,16 +127,13 @@ def write_report(
 ) -> None:
     """Write reports of a build; the folders of the reports are made.
 
+    Raises OutputError if a suffix is none of these, or a file cannot be written.
+
     Parameters
     ----------
     paths : files to write: `.html`, `.xml` for JUnit, `.json`
     lines : all lines of the project as they stand now; read in full only for forms that name each
     pages : called with the worst lines; returns pages of lines (`-o line.html`) by the line's key
-
-    Raises
-    ------
-    OutputError
-        A suffix is none of these, or a file cannot be written.
     """
     writers: list[tuple[Path, Callable[[TextIO, BuildTally], None]]] = []
     adders: list[Callable[[BuiltLine], None]] = []

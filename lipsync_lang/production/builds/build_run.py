@@ -130,16 +130,14 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
 ) -> BuildOutcome:
     """Make the stale lines of a plan.
 
+    Raises OutputError if the disk is full, or the folder is read-only. Everything made before
+    stands.
+
     Parameters
     ----------
     workers : processes at most; None for one per processor. Few lines are made in this process
     scheduler : address of a Dask scheduler whose workers make the lines
     tell : receives `line` and `progress` events
-
-    Raises
-    ------
-    OutputError
-        The disk is full, or the folder is read-only. Everything made before stands.
     """
     begun = monotonic()
     stale = plan.stale

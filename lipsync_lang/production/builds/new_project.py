@@ -125,6 +125,9 @@ def new_project(  # noqa: PLR0913 the parts of a draft
 ) -> NewProject:
     """Draft the project of a table, and of a folder of recordings if there is one.
 
+    Raises LipsyncError if the two have nothing in common, a language or character is not known, or
+    several columns may be the text.
+
     Parameters
     ----------
     recordings : folder of recordings, with folders for languages or speakers; None for none yet
@@ -136,12 +139,6 @@ def new_project(  # noqa: PLR0913 the parts of a draft
         likeliest
     encoding : of the script; None for UTF-8, or what the file's own mark says
     layout : the sheet and the row that names the columns, if the table does not tell
-
-    Raises
-    ------
-    LipsyncError
-        The two have nothing in common, a language or character is not known, or several columns
-        may be the text.
     """
     for path in (recordings, table):
         if path is not None and not path.resolve().is_relative_to(folder.resolve()):

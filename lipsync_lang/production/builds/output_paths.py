@@ -3,18 +3,20 @@
 import posixpath
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from lipsync_lang.animations.animation_writers import WRITERS, find_writer
 from lipsync_lang.base.errors import OutputError
+from lipsync_lang.base.files.names import BRACES, fill
 from lipsync_lang.base.files.reach import is_reached
-from lipsync_lang.packs.models import Project
-from lipsync_lang.packs.models.project_models import BRACES, fill
 from lipsync_lang.packs.project import NARRATOR
 from lipsync_lang.packs.yaml.source import Loc
 from lipsync_lang.production.builds.archives import TAKE_SUFFIX
 from lipsync_lang.production.builds.script_faults import ScriptFaults
 from lipsync_lang.production.builds.takes import TAKES_SUFFIX
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.models import Project
 
 
 class OutputPattern(NamedTuple):
@@ -37,7 +39,7 @@ def for_line(pattern: str, name: str, speaker: str) -> str:
     return pattern.replace("{id}", name)  # the usual case, in a quarter of the time
 
 
-def outputs_of(project: Project, faults: ScriptFaults) -> list[OutputPattern]:
+def outputs_of(project: "Project", faults: ScriptFaults) -> list[OutputPattern]:
     """Return the outputs that a project states, each with its writer."""
     if not project.outputs:
         hint = "state files such as `outputs: takes/{language}/{character}/{id}.csv`"

@@ -10,13 +10,13 @@ a text changes. It is a folder of the cache (decision 0002).
 """
 
 import shutil
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from fractions import Fraction
 from pathlib import Path, PurePath
 from tempfile import mkdtemp
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 from zlib import crc32
 
 import numpy as np
@@ -26,9 +26,8 @@ from lipsync_lang.animations.rates import USUAL_FPS
 from lipsync_lang.base.errors import LipsyncError, OutputError, shortlist
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.base.files.writing import replace_file
-from lipsync_lang.packs.checking.voices import check_voices
+from lipsync_lang.packs.checking.voices import check_voices, lacks_voice
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE, find_project, load_project
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults
 from lipsync_lang.performing.resolving import resolve
@@ -58,6 +57,12 @@ from lipsync_lang.sound.speech.hearing.adaptation import SpokenFile, adapt, writ
 from lipsync_lang.sound.speech.hearing.align.pocketsphinx_aligner import models_of
 from lipsync_lang.sound.speech.hearing.sphinx.folder import Models
 from lipsync_lang.sound.speech.needed_extras import engines_of, missing_for, missing_words
+from lipsync_lang.text.phonology.manner import Manner
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.models import Project
+
+NONE_KNOWN: Mapping[str, Manner] = {}
 
 STILL_SCHEDULE = Schedule((SILENCE,), np.array((0.0, 0.1)))
 """Schedule without a phoneme."""
@@ -164,7 +169,7 @@ class Selection:
 class ProjectBuild:
     """A project that is read, with its pairs resolved."""
 
-    project: Project
+    project: "Project"
     folder: Path
     lines: list[PlannedLine]
     settings: BuildSettings
@@ -186,6 +191,8 @@ class ProjectBuild:
     ) -> Self:
         """Read a project and its script, and resolve its pairs.
 
+        Raises LipsyncError if there is no project, or it or its script is faulty.
+
         Parameters
         ----------
         file : the project's file; None for the one of the current folder
@@ -193,11 +200,6 @@ class ProjectBuild:
         tts : another speech engine than the languages'
         remark : where to say what the script lacks
         adapt : True to adapt acoustic models, if the project asks for it
-
-        Raises
-        ------
-        LipsyncError
-            There is no project, or it or its script is faulty.
         """
         found = file or find_project()
         if found is None:
@@ -216,8 +218,6 @@ class ProjectBuild:
         if chosen and not lines and not unread:
             raise LipsyncError("no line of the script is selected; check the ids and names")
         library = Library(places, folder)
-        check_installed(faults, project, library, None if unread else lines, tts)
-        faults.raise_any()
         fps = float(Fraction(project.fps)) if project.fps is not None else USUAL_FPS
         stated_fps = None if project.fps is None else fps
         once = project.glb.face == "once"
@@ -227,6 +227,8 @@ class ProjectBuild:
         )  # fmt: skip
         made = cls(project, folder, lines, settings, {}, {}, chosen)
         made.resolve((*places, folder))
+        made.check_installed(faults, library, None if unread else lines, tts)
+        faults.raise_any()
         if adapt and project.adapt:
             made.adapt(read, remark)
         made.check_outputs(faults)
@@ -255,6 +257,30 @@ class ProjectBuild:
         for (language, character), pair in self.pairs.items():
             own = [line for line in lines if line.language == language]
             self.pairs[language, character] = adapted_pair(pair, self.folder, own, remark)
+
+    def check_installed(
+        self,
+        faults: ScriptFaults,
+        library: Library,
+        lines: Iterable[PlannedLine] | None,
+        tts: str | None,
+    ) -> None:
+        """Add a fault for all missing packages that a project needs, and for each wrong voice."""
+        untimed = {line.language for line in lines or () if line.timings is None}
+        known = {
+            language: pair.performer.speaker.manner
+            for (language, _), pair in self.pairs.items()
+            if language in untimed
+        }
+        needed = extras_of_project(self.project, library, lines, tts, known)
+        if missing := missing_for(needed):
+            what, hint = missing_words(missing), f"install them: {install_line(*missing)}"
+            faults.state(("languages",), "P406", what, hint)
+        named = sorted(needed.keys() - {*self.project.lines, *self.project.outputs})
+        doubted = [name for name in named if name not in known or lacks_voice(known[name])]
+        # A look-up of a name that is no language reads the head of every pack.
+        found = [name for name in doubted if library.lookup("language", name)]
+        faults.stated += check_voices(map(library.language, found))
 
     def check_outputs(self, faults: ScriptFaults) -> None:
         """Refuse outputs that a format cannot hold, tried with each character at rest."""
@@ -428,10 +454,11 @@ def _make(
 
 
 def extras_of_project(
-    project: Project,
+    project: "Project",
     library: Library,
     lines: Iterable[PlannedLine] | None = None,
     tts: str | None = None,
+    known: Mapping[str, Manner] = NONE_KNOWN,
 ) -> dict[str, list[str]]:
     """Map languages and files of a project to what they need, for `missing_for`.
 
@@ -439,6 +466,7 @@ def extras_of_project(
     ----------
     lines : the lines to make; None if they are unknown, so that any language may be spoken
     tts : a speech engine in place of the languages'
+    known : languages whose packs need not be read
     """
     needed = {stated: [Path(stated).suffix.lower()] for stated in project.lines}
     for stated in project.outputs:
@@ -453,30 +481,13 @@ def extras_of_project(
     for line in lines or ():
         if line.timings is None:
             heard.setdefault(line.language, set()).add(line.audio is not None)
-    return needed | {name: _engines(library, name, ways, tts) for name, ways in heard.items()}
+    for name, ways in heard.items():
+        manner = known.get(name) or _read_manner(library, name)
+        needed[name] = [*engines_of(manner, spoken=False in ways, heard=True in ways, tts=tts)]
+    return needed
 
 
-def _engines(library: Library, name: str, ways: Collection[bool], tts: str | None) -> list[str]:
-    """Return the engines of a language: `ways` has True for recordings, and False for texts."""
+def _read_manner(library: Library, name: str) -> Manner:
     from lipsync_lang.resolver.language_tables import manner_of
 
-    manner = manner_of(library.language(name), library.common().model)
-    return [*engines_of(manner, spoken=False in ways, heard=True in ways, tts=tts)]
-
-
-def check_installed(
-    faults: ScriptFaults,
-    project: Project,
-    library: Library,
-    lines: Iterable[PlannedLine] | None,
-    tts: str | None,
-) -> None:
-    """Add one fault for all missing packages that a project needs, and one for each wrong voice."""
-    needed = extras_of_project(project, library, lines, tts)
-    if missing := missing_for(needed):
-        what, hint = missing_words(missing), f"install them: {install_line(*missing)}"
-        faults.state(("languages",), "P406", what, hint)
-    # A look-up of a name that is no language reads the head of every pack.
-    named = needed.keys() - {*project.lines, *project.outputs}
-    found = [name for name in sorted(named) if library.lookup("language", name)]
-    faults.stated += check_voices(map(library.language, found))
+    return manner_of(library.language(name), library.common().model)

@@ -13,13 +13,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from lipsync_lang.base.errors import LipsyncError, count, did_you_mean, shortlist
-from lipsync_lang.base.files.names import fault_of_name, folded_name
+from lipsync_lang.base.files.names import BRACES, fault_of_name, fill, folded_name
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.packs.checking.project_checks import check_characters, check_languages
 from lipsync_lang.packs.finding import Finder, Paths, folders_of, pack_name
 from lipsync_lang.packs.language_files import spoken_in
-from lipsync_lang.packs.models import Project
-from lipsync_lang.packs.models.project_models import BRACES, fill
 from lipsync_lang.packs.project import FILE
 from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces, stated_faces, unique
 from lipsync_lang.packs.yaml.faults import shown
@@ -45,6 +43,7 @@ from lipsync_lang.text.lines.line_readers import LineFile, is_timed, line_files
 from lipsync_lang.text.lines.plain import TIMING_SUFFIXES
 
 if TYPE_CHECKING:
+    from lipsync_lang.packs.models import Project
     from lipsync_lang.packs.pack import Pack
     from lipsync_lang.packs.yaml.source import Loc
 
@@ -74,7 +73,7 @@ RARE_SUFFIXES = tuple(sorted({*TIMING_SUFFIXES} - COMMON_SUFFIXES))
 
 
 def languages_of(
-    project: Project, finder: Finder, faults: ScriptFaults
+    project: "Project", finder: Finder, faults: ScriptFaults
 ) -> dict[int, ScriptLanguage]:
     """Return the languages of a build by their index."""
     stated = project.languages or ({project.language: None} if project.language else {})
@@ -91,7 +90,7 @@ def languages_of(
 class Cast:
     """The characters of each speaker."""
 
-    def __init__(self, project: Project, finder: Finder, faults: ScriptFaults) -> None:
+    def __init__(self, project: "Project", finder: Finder, faults: ScriptFaults) -> None:
         stated = stated_faces(project)
         if not stated:
             hint = "state `character: NAME` or `cast: {...}`"
@@ -165,7 +164,7 @@ class ScriptPlanner:
 
     def __init__(
         self,
-        project: Project,
+        project: "Project",
         folder: Path,
         *,
         languages: dict[int, ScriptLanguage],
@@ -466,6 +465,9 @@ def read_script(
 ) -> list[PlannedLine]:
     """Read the lines that a project states, in every language and on every character.
 
+    Raises PlanningError if the script or the project is faulty; the message lists the first faults
+    with their places.
+
     Parameters
     ----------
     pack : the project; its `lines` and `outputs` are needed, and its paths start at its folder
@@ -475,11 +477,6 @@ def read_script(
     Returns
     -------
     The lines in the order of the script; each has its own outputs.
-
-    Raises
-    ------
-    PlanningError
-        The script or the project is faulty; the message lists the first faults with their places.
 
     Examples
     --------
@@ -525,7 +522,7 @@ def read_script(
     return planned
 
 
-def _check_settings(project: Project, faults: ScriptFaults) -> None:
+def _check_settings(project: "Project", faults: ScriptFaults) -> None:
     """Check the settings of other parts of a build before hours of work."""
     if not project.lines:
         hint = "name the table of the script, such as `lines: script.csv`"
@@ -545,7 +542,7 @@ def _check_settings(project: Project, faults: ScriptFaults) -> None:
 
 
 def _files(  # noqa: PLR0913 the parts of a script
-    project: Project,
+    project: "Project",
     folder: Path,
     languages: dict[int, ScriptLanguage],
     *,

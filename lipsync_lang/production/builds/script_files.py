@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 from unicodedata import normalize
 
 from lipsync_lang.base.errors import LipsyncError, ScheduleError, shortlist
 from lipsync_lang.base.files.names import fault_of_name, folded_name
-from lipsync_lang.packs.models.project_models import ScriptColumns
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.production.builds.script_faults import ScriptFaults, in_words_of_project
 from lipsync_lang.text.lines import Line, read_lines
@@ -29,6 +28,9 @@ from lipsync_lang.text.lines.columns import (
 from lipsync_lang.text.lines.line_readers import LineFile, Table, TableLayout, by_suffix, is_timed
 from lipsync_lang.text.lines.markup import spoken
 from lipsync_lang.text.lines.table import cell
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.models.project_models import ScriptColumns
 
 MAX_SLUG_CHARS = 32
 DIGEST_CHARS = 8
@@ -82,7 +84,7 @@ PlanRemark = Callable[[str | Fault], None]
 
 
 def read_rows(
-    file: ScriptFile, columns: ScriptColumns, faults: ScriptFaults, remark: PlanRemark
+    file: ScriptFile, columns: "ScriptColumns", faults: ScriptFaults, remark: PlanRemark
 ) -> Iterator[ScriptRow]:
     """Yield the rows of a file; its faults are collected, and end its reading."""
     try:
@@ -126,7 +128,7 @@ def read_rows(
 
 
 def read_apart(
-    files: Sequence[ScriptFile], columns: ScriptColumns, faults: ScriptFaults, remark: PlanRemark
+    files: Sequence[ScriptFile], columns: "ScriptColumns", faults: ScriptFaults, remark: PlanRemark
 ) -> Iterator[tuple[ScriptFile, ScriptRow]]:
     """Yield the rows of files; an id of several files begins with the name of its file in each."""
     homes = {(index, file.path) for file in files for index in file.languages}
@@ -182,7 +184,7 @@ def _labels(files: Iterable[ScriptFile]) -> dict[Path, str]:
 
 
 def _table_rows(
-    file: ScriptFile, source: LineFile, table: Table, columns: ScriptColumns, faults: ScriptFaults
+    file: ScriptFile, source: LineFile, table: Table, columns: "ScriptColumns", faults: ScriptFaults
 ) -> Iterator[ScriptRow]:
     texts = _text_columns(source, table, file, columns.text)
     taken = [at for _, at in texts]

@@ -16,11 +16,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from lipsync_lang.base.errors import OutputError
-from lipsync_lang.base.files.writing import atomic
 from lipsync_lang.production.builds.digests import digest, file_digest
 from lipsync_lang.production.builds.planned_line import PlannedLine
-from lipsync_lang.resolver.cache import delete_oldest, folder, sealed, unsealed
+from lipsync_lang.resolver.cache import delete_oldest, folder, keep, unsealed
 from lipsync_lang.schedules.schedule import Audio, Schedule, Word
 from lipsync_lang.sound.speech.sound import read_audio
 
@@ -79,14 +77,8 @@ class TimingCache:
         """Keep the schedule of a line; an error, or a cache that cannot be written, is skipped."""
         if not isinstance(timed, Schedule):
             return
-        try:
-            path = self._path(line)
-            if path is not None:
-                path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-                with atomic(path) as stream:
-                    stream.writelines(sealed(MARK, _encoded(timed, own=line.audio is None)))
-        except (OSError, OutputError):
-            return
+        with suppress(OSError):  # of the recording
+            keep(self._path(line), MARK, _encoded(timed, own=line.audio is None))
 
     def _path(self, line: PlannedLine) -> Path | None:
         where = folder()

@@ -5,8 +5,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.base.errors import LipsyncError
-from lipsync_lang.packs.project import FILE, load_project
+from lipsync_lang.packs.project import FILE
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults
+from lipsync_lang.production.builds.known_projects import known_project
 from lipsync_lang.production.builds.script_faults import in_words_of_project
 
 if TYPE_CHECKING:  # workers start faster without the models of packs
@@ -29,7 +30,7 @@ def open_project(path: Path) -> "Pack[Project]":
     """
     use_timing_formats({})
     use_script_formats({})
-    pack = load_project(path)
+    pack = known_project(path)
     if faults := [*check_timing_formats(pack)]:
         raise PackFaults(faults)
     use_timing_formats(plain_formats(pack.model.timing_formats))

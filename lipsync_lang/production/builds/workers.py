@@ -71,7 +71,10 @@ def run_batches(  # noqa: PLR0913 the work, and settings of the workers
 ) -> Generator[Result | LostBatch[Batch]]:
     """Run work on batches and yield the results in order of completion.
 
-    Close the iterator when you stop early (`contextlib.closing`): this ends the processes.
+    Close the iterator when you stop early (`contextlib.closing`): this ends the processes. Raises
+    LipsyncError if the number of workers is below 1; the scheduler is absent, of another version,
+    without workers, or one of them does not see the folder. Errors of `work` are raised as they
+    are.
 
     Parameters
     ----------
@@ -86,12 +89,6 @@ def run_batches(  # noqa: PLR0913 the work, and settings of the workers
     Yields
     ------
     What `work` returns, or a `LostBatch` for a batch whose workers died again and again
-
-    Raises
-    ------
-    LipsyncError
-        The number of workers is below 1; the scheduler is absent, of another version, without
-        workers, or one of them does not see the folder. Errors of `work` are raised as they are.
 
     Examples
     --------

@@ -143,15 +143,12 @@ class ByteStream:
 def sounds(read: Callable[[int], bytes], stated: SampleForm, tell: Remark) -> Iterator[Pcm]:
     """Yield the sound of a stream as it arrives, until its end.
 
+    Raises LipsyncError if the sound is compressed, or the WAV header states no samples.
+
     Parameters
     ----------
     read : returns at most so many bytes, at least one, or none at the end
     stated : the form of the samples, if the stream has no WAV header
-
-    Raises
-    ------
-    LipsyncError
-        The sound is compressed, or the WAV header states no samples.
     """
     stream = ByteStream(read)
     form, left, heard = stated, None, 0

@@ -60,15 +60,12 @@ class SoundFeed:
 def open_source(text: str, form: SampleForm, rate: int | None, tell: Remark) -> Iterator[Pcm]:
     """Open a source of sound: `-`, `mic`, `mic:DEVICE`, or a file.
 
+    Raises LipsyncError if the device or the file cannot be opened.
+
     Parameters
     ----------
     form : the form of raw samples
     rate : the rate that the user asked for; a microphone has its own otherwise
-
-    Raises
-    ------
-    LipsyncError
-        The device or the file cannot be opened.
     """
     if text == STANDARD_INPUT:
         return sounds(_standard_input(), form, tell)

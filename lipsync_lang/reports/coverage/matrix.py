@@ -32,6 +32,9 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
 ) -> Coverage:
     """Count the bigrams that lines need, and compare them with the bigrams of characters.
 
+    Raises LipsyncError if there are no lines, a pack is missing or unsound, or a language does not
+    read text.
+
     Parameters
     ----------
     lines : spoken lines, such as those of `read_lines`; iterated over once
@@ -42,11 +45,6 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
     cast : the characters of each speaker, who speak that speaker's lines alone; all other lines are
         those of `character`. None if every character speaks every line
     gestures : gestures to count, as `Performer.perform` takes them; None for no count
-
-    Raises
-    ------
-    LipsyncError
-        There are no lines, a pack is missing or unsound, or a language does not read text.
     """
     from lipsync_lang.packs.library import Library
     from lipsync_lang.performing.resolving import resolve

@@ -46,19 +46,15 @@ def read_for(
 ) -> AnimationWithRemarks:
     """Read an animation file as the poses of a performer, or as the channels of its rig.
 
-    Columns are found by name in any spelling, like shapes of a model. Poses without a column
-    stay at rest, and a remark names them.
+    Columns are found by name in any spelling, like shapes of a model. Poses without a column stay
+    at rest, and a remark names them. Raises AnimationError if the file cannot be read, has no
+    column of the face, or holds no schedule and none is given.
 
     Parameters
     ----------
     path : CSV, a take of Live Link Face, a GLB with an animation, or our JSON
     schedule : the spoken line; by default the file's own
     channels : read rig channels; by default poses, or channels if the file has only these
-
-    Raises
-    ------
-    AnimationError
-        The file cannot be read, has no column of the face, or holds no schedule and none is given.
     """
     recording = read_animation(path)
     spoken = schedule or recording.schedule
@@ -118,14 +114,11 @@ def placed_columns(
 ) -> PlacedColumns:
     """Find the columns of a recording that are poses of a performer, or channels of its rig.
 
+    Raises AnimationError if no column belongs to the face, or the frames are too uneven.
+
     Parameters
     ----------
     channels : read rig channels; by default poses, or channels if more of them are found
-
-    Raises
-    ------
-    AnimationError
-        No column belongs to the face, or the frames are too uneven.
     """
     faces = [(performer.channels, np.eye(len(performer.poses)))]
     if (driver := performer.driver) is not None:

@@ -227,11 +227,8 @@ class MeasuredScene:
 def scene_of(animations: "Sequence[Animation]", performer: Performer) -> MeasuredScene:
     """Return animations of one face with their phonemes as arrays.
 
-    Raises
-    ------
-    LipsyncError
-        An animation is of another face, has fewer than two frames, times that do not rise, or
-        weights that are not finite.
+    Raises LipsyncError if an animation is of another face, has fewer than two frames, times that do
+    not rise, or weights that are not finite.
     """
     (face,) = {face_of(animation, performer) for animation in animations}
     compiled, tracks, labels, judged = performer.compiled, [], [], []

@@ -162,14 +162,11 @@ class Listener:
     def push(self, samples: npt.ArrayLike) -> FinalFrames:
         """Hear the next samples, and return the frames that are final now.
 
+        Raises LipsyncError if the samples have another form.
+
         Parameters
         ----------
         samples : (n,) int16, or floats from -1 to 1, at `rate`
-
-        Raises
-        ------
-        LipsyncError
-            The samples have another form.
         """
         return self.push_together([self], [samples])[0]
 
@@ -188,15 +185,12 @@ class Listener:
     ) -> list[FinalFrames]:
         """Push the next samples of many voices, which costs less than one after the other.
 
+        Raises LipsyncError if samples have another form; no voice has heard anything then.
+
         Parameters
         ----------
         listeners : each once
         sounds : samples of each, as for `push`; an empty array waits
-
-        Raises
-        ------
-        LipsyncError
-            Samples have another form; no voice has heard anything then.
 
         Examples
         --------

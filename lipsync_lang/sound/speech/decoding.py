@@ -67,10 +67,8 @@ def find_ffmpeg() -> str | None:
 def decoded(path: Path, found: Compression) -> Iterator[Path]:
     """Yield a temporary WAV file of the first sound in a file, in its own rate and channels.
 
-    Raises
-    ------
-    SpeechError
-        ffmpeg is not installed, finds no sound, or takes too long; or the sound is too long.
+    Raises SpeechError if ffmpeg is not installed, finds no sound, or takes too long; or the sound
+    is too long.
     """
     program = find_ffmpeg()
     if program is None:

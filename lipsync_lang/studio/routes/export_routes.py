@@ -90,15 +90,12 @@ def _project(workshop: Workshop) -> Project | None:
 def write_files(workshop: Workshop, files: Mapping[str, bytes], *, over: bool) -> list[str]:
     """Write files into the project, all or none, and return their paths.
 
+    Raises LipsyncError if a path leads out of the project, or a file exists or cannot be written.
+
     Parameters
     ----------
     files : content by path from the project's folder
     over : replace files that exist
-
-    Raises
-    ------
-    LipsyncError
-        A path leads out of the project, or a file exists or cannot be written.
     """
     targets = {name: _inside(workshop.project, name) for name in files}
     there = [name for name, path in targets.items() if path.exists()]

@@ -258,6 +258,10 @@ def read_lines(  # noqa: PLR0913 the files, and options by keyword
 ) -> Iterator[Line]:
     """Read the lines of files, and of folders with all below them in order of name.
 
+    Raises LipsyncError if a path is missing or of no known format (at once), or a file cannot be
+    read (when it is its turn). Files of a folder that are of no known format are left out with a
+    remark.
+
     Parameters
     ----------
     paths : files and folders, one or several; a file twice is read once. ``-`` is standard input:
@@ -270,12 +274,6 @@ def read_lines(  # noqa: PLR0913 the files, and options by keyword
     speaker : column of the speakers, by name or number from 1; None for the likeliest
     layout : of tables, the sheet and the row that names the columns
     elsewhere : suffixes of files in folders that the caller reads itself, without a remark
-
-    Raises
-    ------
-    LipsyncError
-        A path is missing or of no known format (at once), or a file cannot be read (when it is
-        its turn). Files of a folder that are of no known format are left out with a remark.
     """
     found = line_files(paths, remark, elsewhere=elsewhere)
     tables = (file == STANDARD_STREAM or _format_of(file).table is not None for file, _ in found)
