@@ -13,7 +13,8 @@ from places import ROOT
 
 PLUG_INS = (
     *("archives", "capture", "cluster", "festival", "g2p", "heads", "htk", "mfa"),
-    *("phonemizer", "programs", "scripts", "smartbody", "study", "timings", "whisper"),
+    *("phonemizer", "programs", "scripts", "smartbody", "study", "timings", "transfer"),
+    "whisper",
 )
 
 """Rooms that register by entry points."""
