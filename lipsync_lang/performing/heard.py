@@ -330,13 +330,11 @@ class HeardLabels:
     ) -> tuple[Ints, Floats, bool]:
         """Return the common phonemes around a span of time, and their (m + 1,) boundaries.
 
+        The third value is True if no phoneme was heard before these.
+
         Parameters
         ----------
         begun : sounds that begin a trigram, by index
-
-        Returns
-        -------
-        phonemes, boundaries, and True if no phoneme was heard before these
         """
         first = self._first(begin, begun)
         stop = min(bisect_right(self.starts, end) + 2, len(self.starts))
@@ -367,15 +365,11 @@ def begun_trigrams(heard: HeardLabels, tables: Tables) -> frozenset[int]:
 
 
 def open_trigram(heard: HeardLabels, tables: Tables, silence_reach: float) -> float | None:
-    """Return the time from which bigrams depend on the sound after the last one.
+    """Return the time from which bigrams depend on the sound after the last one, if they do.
 
     Parameters
     ----------
     silence_reach : seconds of a silence that a bigram uses
-
-    Returns
-    -------
-    None if no trigram can begin with the last two sounds
     """
     if not len(tables.trigrams) or not heard.sounds:
         return None

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain, pairwise
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 from weakref import WeakKeyDictionary
@@ -480,11 +480,14 @@ def _notation(reader: LabelReader, schedule: Schedule) -> Iterator[str]:
         return
     known, chosen = reader.own_notations, reader.notation(schedule)
     name = next(n for n, one in known.items() if one is chosen)
-    labels = {one for one in schedule.labels if one != SILENCE and not chosen.is_silence(one)}
+    labels = {one for one in {*schedule.labels, SILENCE} if not chosen.is_silence(one)} - {SILENCE}
     stated = {one for one in labels if chosen.stated(one) is not None}
-    rivals = [reader.rivals(chosen, label) for label in stated]
-    spelled = set(known).intersection(*(one for one, _ in rivals)) if stated else set()
-    other = spelled.intersection(chain.from_iterable(differing for _, differing in rivals))
+    spelled = set(known) if stated else set()
+    for label in stated:  # one label or two leave no other notation, as a rule
+        spelled &= reader.rivals(chosen, label)[0]
+        if not spelled:
+            break
+    other = {one for one in spelled for label in stated if one in reader.rivals(chosen, label)[1]}
     alike = [one for one in known if one in other]
     share = len(stated) / len(labels) if labels else 1.0
     if share >= SURE_SHARE and not alike:

@@ -509,11 +509,7 @@ def without_gaps(pair: PlayedPair, schedule: Schedule, sounds: "LabelSounds") ->
     """Return a schedule whose bigrams have curves, or with a remark on those at rest.
 
     Only the line's own bigrams count: a set drawn for one sentence says it (paper, 5.3).
-
-    Raises
-    ------
-    PackError
-        Some have none, and gaps are errors.
+    Raises PackError if some have none, and gaps are errors.
     """
     compiled = pair.compiled
     track = lay_track(*sounds[:3], pair.tables(()), pair.motion)

@@ -45,10 +45,7 @@ def explain(
 ) -> Explanation:
     """Explain the frame nearest to a time in seconds, given the options of its `perform`.
 
-    Raises
-    ------
-    LipsyncError
-        The time is outside the animation.
+    Raises LipsyncError if the time is outside the animation.
     """
     first, last = float(animation.times[0]), float(animation.times[-1])
     half = 0.5 / animation.fps

@@ -68,16 +68,12 @@ def _times(polynomial: Floats, constant: float, slope: float) -> Floats:
 
 
 def bspline(points: Floats, at: Floats) -> Floats:
-    """Evaluate smooth curves at normalised times.
+    """Evaluate smooth curves at normalised times: (C, K).
 
     Parameters
     ----------
     points : (C, n, 2) control points (t, v), n >= 2, t never falling
     at : (K,) times
-
-    Returns
-    -------
-    (C, K)
     """
     # curves of one bigram share their control times: t(w) = x is solved once for all of them
     times, own = np.unique(points[..., 0], axis=0, return_inverse=True)

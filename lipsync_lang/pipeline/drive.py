@@ -98,17 +98,13 @@ def sides(gains: Floats, floors: Floats) -> Ints:
 
 
 def drive(weights: Floats, rig: Rig, step: float, kernel: Floats | None = None) -> Floats:
-    """Drive the channels of a rig with poses; the module lists their guarantees.
+    """Drive the channels of a rig with poses, (T, C); the module lists their guarantees.
 
     Parameters
     ----------
     weights : (T, P) of a whole animation, in [0, 1], at most `step` apart from frame to frame
     step : weight by which a pose may change from frame to frame
     kernel : (2 J + 1,) rounds channels off, as from `soften.kernel`; None leaves corners
-
-    Returns
-    -------
-    (T, C)
     """
     low, high = rig.low[:, None], rig.high[:, None]
     curves = np.clip(rig.gains @ weights.T, low, high)

@@ -48,7 +48,7 @@ def demands(contact: Contact, track: Track) -> Bools:
 
 
 def held_frames(wanted: Bools, track: Track, first: float, fps: float, count: int) -> Bools:
-    """Return True for the frames over which a contact is held.
+    """Return True for the frames over which a contact is held: (count,).
 
     A phoneme holds over its span less `MARGIN` on each side, widened about its middle to
     `SHORTEST` and to one frame. Neighbours that demand the same hold on through their boundary.
@@ -57,10 +57,6 @@ def held_frames(wanted: Bools, track: Track, first: float, fps: float, count: in
     ----------
     wanted : (n,) as from `demands`
     first : seconds of frame 0
-
-    Returns
-    -------
-    (count,)
     """
     held = np.zeros(count, bool)
     reach = max(SHORTEST, 1 / fps) / 2

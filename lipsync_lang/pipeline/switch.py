@@ -28,7 +28,7 @@ FREE = -2
 
 
 def switch(curves: Floats, barred: Bools, forced: Ints, frames: int) -> Floats:
-    """Show only the strongest pose, each for a minimum number of frames.
+    """Show only the strongest pose, each for a minimum number of frames: (P, T) of 0 and 1.
 
     Parameters
     ----------
@@ -37,10 +37,6 @@ def switch(curves: Floats, barred: Bools, forced: Ints, frames: int) -> Floats:
     forced : (T,) the pose that a contact holds up, `NONE` where it only keeps others down, `FREE`
         where there is none
     frames : how many frames a pose is shown at least; a contact may cut others short
-
-    Returns
-    -------
-    (P, T) of 0 and 1
     """
     shown = np.where(barred, 0.0, curves)
     best = np.argmax(shown, axis=0)

@@ -11,6 +11,7 @@ from base64 import b64encode
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
+from functools import cache
 from hashlib import sha256
 from typing import Any
 
@@ -32,6 +33,8 @@ POLICY = (
     "img-src data:; base-uri 'none'; form-action 'none'"
 )
 """Content policy of the page: a browser runs only the script and the style with these hashes."""
+
+_script = cache(bundle)  # a report has many pages
 
 
 def line_page(
@@ -55,7 +58,7 @@ def line_page(
     pack = ArrayPack()
     document = _document(animation, performer or performer_of(animation), pack, qualities)
     document["arrays"] = pack.layout()
-    script, style = bundle("line/page"), static("line/page.css")
+    script, style = _script("line/page"), static("line/page.css")
     hashes = [b64encode(sha256(text.encode()).digest()).decode() for text in (script, style)]
     parts = {
         "POLICY": POLICY.format(*hashes),

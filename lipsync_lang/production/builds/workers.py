@@ -71,10 +71,10 @@ def run_batches(  # noqa: PLR0913 the work, and settings of the workers
 ) -> Generator[Result | LostBatch[Batch]]:
     """Run work on batches and yield the results in order of completion.
 
-    Close the iterator when you stop early (`contextlib.closing`): this ends the processes. Raises
-    LipsyncError if the number of workers is below 1; the scheduler is absent, of another version,
-    without workers, or one of them does not see the folder. Errors of `work` are raised as they
-    are.
+    A batch whose workers died again and again yields a `LostBatch`. Close the iterator when you
+    stop early (`contextlib.closing`): this ends the processes. Raises LipsyncError if the number of
+    workers is below 1; the scheduler is absent, of another version, without workers, or one of them
+    does not see the folder. Errors of `work` are raised as they are.
 
     Parameters
     ----------
@@ -85,10 +85,6 @@ def run_batches(  # noqa: PLR0913 the work, and settings of the workers
     workers : processes; 1 for this process alone, None for one per processor
     scheduler : address of a Dask scheduler, such as ``tcp://host:8786``, instead of processes
     folder : folder that every worker of a cluster must see under the same path
-
-    Yields
-    ------
-    What `work` returns, or a `LostBatch` for a batch whose workers died again and again
 
     Examples
     --------

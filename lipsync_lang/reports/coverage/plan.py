@@ -41,7 +41,7 @@ def affordable(minutes: float) -> int:
 
 
 def cover(sets: Ints, starts: Ints, wanted: Ints) -> list[tuple[int, list[int]]]:
-    """Choose few sets that together have every wanted member.
+    """Choose few sets that together have every wanted member, each with those that it adds.
 
     The greedy choice takes the set with most missing members, then the smallest, then the first.
     At the end, redundant sets are dropped. Gains are updated as members are covered, so that each
@@ -52,10 +52,6 @@ def cover(sets: Ints, starts: Ints, wanted: Ints) -> list[tuple[int, list[int]]]
     sets : members of all sets in sequence; a set has a member once
     starts : (n + 1,) index of each set's first member, and the length of `sets`
     wanted : members to cover; members of no set are ignored
-
-    Returns
-    -------
-    Indices of the sets in the order of choice, with the members that each adds.
     """
     inside = np.isin(sets, wanted)
     starts = np.asarray(starts, np.int64)

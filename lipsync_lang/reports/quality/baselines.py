@@ -165,12 +165,7 @@ BASELINES = {"keyframes": keyframes, "dominance": dominance, "held": held}
 def compare(
     performer: Performer, schedule: Schedule, fps: float = 60, *, limits: Limits | None = None
 ) -> dict[str, Quality]:
-    """Judge a performance, and plain methods on the same line.
-
-    Returns
-    -------
-    Quality by method: `performed`, and the names of `BASELINES`
-    """
+    """Judge a performance (`performed`), and the methods of `BASELINES` on the same line."""
     library = Library(performer.paths)
     performed = {"performed": performer.perform(schedule, fps)}
     plain = {name: make(performer, schedule, fps, library) for name, make in BASELINES.items()}

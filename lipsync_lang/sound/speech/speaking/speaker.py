@@ -109,10 +109,7 @@ class Speaker:
     def transcribe(self, texts: Iterable[str]) -> Iterator[Transcript]:
         """Convert texts to phonemes, one after the other; markup and emphasis are left out.
 
-        Raises
-        ------
-        SpeechError
-            The pack has no G2P settings, or its engine failed.
+        Raises SpeechError if the pack has no G2P settings, or its engine failed.
         """
         return map(raised, self.transcribe_many(texts))
 
