@@ -29,7 +29,7 @@ PARTED_SHARE = 0.15
 TRIED_SHAPES = 12
 """Number of shapes that are tried as the opening of the mouth."""
 
-USED_SHARE = 0.25
+USED_SHARE = 0.15
 """Smallest share of all moving shapes that part the points of a mouth."""
 
 STILL_SHARE = 1e-5
@@ -37,6 +37,12 @@ STILL_SHARE = 1e-5
 
 MAX_MEASURED_POINTS = 30_000
 """Largest model whose mouth is looked for in a choice of pose sets: pairs of points cost memory."""
+
+CORNER_SLOPE = 2.0
+"""Steepest way of the lips to the back beside the corners, over that to the side."""
+
+SKIN_STRETCH = 2.0
+"""Largest stretch of skin by an open mouth, over its length: points of both lips part farther."""
 
 CHIN_BOX = (0.0, -0.7, 0.0), (0.15, 0.25, 0.5)
 """Middle of the chin from that of the lips, and half its size, in widths of the mouth."""
@@ -195,7 +201,7 @@ def _touching(rest: Floats, opened: Floats, fronts: Ints, width: float) -> Ints:
 def _lip_pairs(rest: Floats, opened: Floats) -> Ints:
     """Pair points of both lips, (2, n), from the right corner to the left.
 
-    They are the frontmost of each column.
+    They are the frontmost of each column, between the corners.
     """
     moving = np.flatnonzero(np.abs(opened).max(axis=1) > 0)
     size = float(np.ptp(rest[moving, 0]))
@@ -203,7 +209,7 @@ def _lip_pairs(rest: Floats, opened: Floats) -> Ints:
         return np.empty((2, 0), np.intp)
     near, middle = NEAR_SHARE * size, median(rest[moving, 0].tolist())
     columns = np.round((rest[:, 0] - middle) / near).astype(int)
-    found, pairs, most = [], [], 0.0
+    found, most = [], 0.0
     for column in np.unique(columns[moving]):
         here = np.flatnonzero(columns == column)
         here = here[rest[here, 1].argsort()]
@@ -218,12 +224,30 @@ def _lip_pairs(rest: Floats, opened: Floats) -> Ints:
         seen = seen[np.linalg.norm(rest[pair[0, seen]] - rest[pair[1, seen]], axis=1) <= near]
         most = max(most, np.abs(parted[seen]).max(initial=0.0))
         found.append((np.where(parted > 0, pair, pair[::-1])[:, seen], np.abs(parted[seen])))
-    for both, parted in found:
-        above, below = both[:, parted > PARTED_SHARE * most]
-        if above.size:
-            front = np.lexsort((below, above, -rest[above, 2] - rest[below, 2]))[0]
-            pairs.append((above[front], below[front]))
-    return np.array(pairs, np.intp).reshape(-1, 2).T
+    both = np.concatenate([pair[:, parted > PARTED_SHARE * most] for pair, parted in found], axis=1)
+    if not both.size:
+        return both
+    both = both[:, np.lexsort((*both[::-1], -rest[both, 2].sum(axis=0), columns[both[0]]))]
+    fronts = both[:, np.unique(columns[both[0]], return_index=True)[1]]
+    right, left = _corners(rest, opened, both)
+    across = rest[np.column_stack((right, fronts, left)), 0].sum(axis=0)
+    between = (across > across[0]) & (across < across[-1])
+    return np.column_stack((right, fronts[:, between[1:-1]], left))
+
+
+def _corners(rest: Floats, opened: Floats, pairs: Ints) -> tuple[Ints, Ints]:
+    """Return the pairs of lip points at the right corner and the left one, as seen from the front.
+
+    Behind the corners, points of the mouth's inside part as well, farther aside but much deeper.
+    Beside them, the skin stretches.
+    """
+    parted = opened[pairs[0], 1] - opened[pairs[1], 1]
+    lips = parted > SKIN_STRETCH * np.linalg.norm(rest[pairs[0]] - rest[pairs[1]], axis=1)
+    if lips.any():
+        pairs = pairs[:, lips]
+    aside, _, depth = rest[pairs].sum(axis=0).T
+    right, left = (pairs[:, (side + depth / CORNER_SLOPE).argmax()] for side in (-aside, aside))
+    return right, left
 
 
 @lru_cache(maxsize=8)

@@ -14,9 +14,11 @@ import lipsync_lang as ll
 from lipsync_lang.base.errors import ModelError
 from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.faces.rigs.read_outs import (
+    CORNER_SLOPE,
     MEASURES_OF_SOUNDS,
     NEAR_SHARE,
     PARTED_SHARE,
+    SKIN_STRETCH,
     find_mouth,
     read_outs,
     still_shapes,
@@ -38,7 +40,7 @@ def test_each_pose_of_the_head_moves_what_its_title_says():
     assert found["open"].aperture > 0.4
     assert found["open"].jaw > 0.3
     assert found["W"].width < -0.15
-    assert found["W"].protrusion > 0.15
+    assert found["W"].protrusion > 0.1
     assert found["wide"].width > 0.2
     assert found["PBM"].aperture <= 0
     assert found["tTeeth"].tongue_out > 0.3
@@ -87,6 +89,25 @@ def test_an_aperture_is_read_where_the_lips_touch_and_not_between_their_fronts()
     assert mouth.measure(pucker).aperture == 0
 
 
+def test_the_corners_of_a_mouth_are_seen_from_the_front():
+    # As in heads of scans, a wider bag goes on behind the corners and parts as well.
+    lips = np.linspace(-0.5, 0.5, 11)
+    bag = np.array([-0.8, -0.7, -0.6, 0.6, 0.7, 0.8])
+    skin = np.array([-0.6, 0.6])
+    across = np.concatenate([lips, bag, skin])
+    depth = np.concatenate([-0.3 * lips**2, np.full(6, -1.0), np.full(2, -0.1)])
+    height = np.concatenate([np.full(17, 0.005), np.full(2, 0.02)])
+    above = np.column_stack([across, height, depth])
+    rest = np.concatenate([above, above * (1, -1, 1)])
+    jaw, pucker = np.zeros_like(rest), np.zeros_like(rest)
+    jaw[len(across) :, 1] = np.concatenate([np.full(17, -0.4), np.full(2, -0.07)])
+    pucker[:, 0] = np.concatenate([-0.2 * lips, np.zeros(8)] * 2)
+    mouth = find_mouth(rest, {"jaw": jaw, "pucker": pucker}, Path("head.glb"))
+    assert mouth.width == pytest.approx(1.0)
+    assert mouth.measure(pucker).width == pytest.approx(-0.2)
+    assert mouth.measure(jaw).aperture == pytest.approx(0.4)
+
+
 def head_with_lids(shapes):
     """Return points and shapes of a head with lids: `blink` lowers more points than the others."""
     across = np.concatenate([np.linspace(-0.7, -0.2, 11), np.linspace(0.2, 0.7, 11)])
@@ -125,15 +146,24 @@ def pairs_of_a_square(rest, opened):
     parted = opened[:, None, 1] - opened[:, 1]
     parted[(away > near) | (columns[:, None] != columns)] = 0
     parted[~np.isin(columns, columns[moving])] = 0
+    apart = parted > PARTED_SHARE * parted.max()
+    if not apart.any():
+        return np.empty((2, 0), int)
+    at = rest[:, None] + rest
+    lips = apart & (parted > SKIN_STRETCH * away)
+    lips = lips if lips.any() else apart
+    ends = []
+    for side in (-1, 1):
+        far = np.where(lips, side * at[..., 0] + at[..., 2] / CORNER_SLOPE, -np.inf)
+        best = np.argwhere(far == far.max()).tolist()
+        ends.append(min(best, key=lambda pair: (columns[pair[0]], -at[*pair, 2], *pair)))
     pairs = []
     for column in np.unique(columns):
-        above, below = np.nonzero(
-            (parted > PARTED_SHARE * parted.max()) & (columns == column)[:, None]
-        )
-        if above.size:
-            front = np.argmax(rest[above, 2] + rest[below, 2])
-            pairs.append((above[front], below[front]))
-    return np.array(pairs, int).reshape(-1, 2).T
+        here = np.argwhere(apart & (columns == column)[:, None]).tolist()
+        front = max(here, key=lambda pair: (at[*pair, 2], -pair[0], -pair[1]), default=ends[0])
+        if at[*ends[0], 0] < at[*front, 0] < at[*ends[1], 0]:
+            pairs.append(front)
+    return np.array([ends[0], *pairs, ends[1]], int).T
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(2, 120), st.sampled_from([1, 6]))
