@@ -151,10 +151,9 @@ def draft(library: Library, wanted: CharacterWish, folder: Path = Path()) -> Cha
     best: dict[str, Match] = {}
     for other in matches:
         best.setdefault(other.poseset, other)
-    others = [m for m in best.values() if m.poseset != match.poseset and m.enough]
-    shown_others = tuple(others[:MAX_ALTERNATIVES])
-    files = {**outputs, **copies}
-    return CharacterDraft(path, files, match, shown_others, rig, dials, model, summaries)
+    others = tuple(m for m in best.values() if m.poseset != match.poseset and m.enough)
+    files, others = {**outputs, **copies}, others[:MAX_ALTERNATIVES]
+    return CharacterDraft(path, files, match, others, rig, dials, model, summaries)
 
 
 def _fitted(model: Model, match: Match, poseset: PoseSet) -> dict[str, float]:

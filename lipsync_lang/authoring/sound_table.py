@@ -190,17 +190,15 @@ class SoundTable:
                 "losses": list(found.losses),
                 "distance": 0.0 if found.distance == inf else round(found.distance, 3),
             }
-            row = other.get(label)
+            row, need, says = other.get(label), "doubtful", ""
             if label in against:
                 says = f"contradicts its features: {', '.join(against[label])}"
-                one |= {"need": "doubtful", "says": says}
             elif row is not None and not row.reason:
                 by = " ".join(name for name, _ in row.automatic) or "nothing"
                 says = f"the nearest by its features is {by}, and no reason is given"
-                one |= {"need": "doubtful", "says": says}
             elif row is None and found.losses and one["distance"] > SMALL_MARK:
-                one |= {"need": "loses", "says": f"not shown: {', '.join(found.losses)}"}
-            judged[label] = one
+                need, says = "loses", f"not shown: {', '.join(found.losses)}"
+            judged[label] = one | ({"need": need, "says": says} if says else {})
         return judged
 
     def _unmapped(self, trial: Trial) -> Iterator[dict[str, Any]]:

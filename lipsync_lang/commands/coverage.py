@@ -21,9 +21,7 @@ from lipsync_lang.base.files import STANDARD_STREAM, write_all
 from lipsync_lang.base.terminal import progress, wipe
 from lipsync_lang.commands.output import FAULTS, SOUND, as_options, tell_written
 from lipsync_lang.commands.registry import handler
-from lipsync_lang.commands.shared_options import (
-    cleaning,
-)
+from lipsync_lang.commands.shared_options import cleaning
 from lipsync_lang.packs.project import FILE, find_project
 from lipsync_lang.reports.coverage.forms import FORMS, SUFFIXES, FormOptions
 
@@ -66,11 +64,8 @@ def coverage(options: Namespace) -> int:
     _write(options, found)
     under = [one for one in found.reports if one.authored.percent < (options.fail_under or 0)]
     for one in under:
-        print(
-            f"{one.label} on {one.character}: {one.authored.percent:g} % are authored, under "
-            f"{options.fail_under:g} %",
-            file=sys.stderr,
-        )
+        share = f"{one.authored.percent:g} % are authored, under {options.fail_under:g} %"
+        print(f"{one.label} on {one.character}: {share}", file=sys.stderr)
     return FAULTS if under else SOUND
 
 
@@ -113,13 +108,11 @@ def _counted(options: Namespace) -> "Coverage":
         counted.append((part, found))
     # A title tells parts of one language apart, and would be noise for all others.
     of = Counter(name for _, one in counted for name in {each.language for each in one.reports})
-    found = joined(
-        [
-            (part.title if any(of[each.language] > 1 for each in one.reports) else part.column, one)
-            for part, one in counted
-        ],
-        weights,
-    )
+    titled = [
+        (part.title if any(of[each.language] > 1 for each in one.reports) else part.column, one)
+        for part, one in counted
+    ]
+    found = joined(titled, weights)
     if others := [f"{one.what} ({one.count})" for one in found.corpus.other_speakers]:
         default, names = " and ".join(options.character), shortlist(others, MAX_NAMES)
         print(f"speakers that `cast` does not name get {default}: {names}", file=sys.stderr)
@@ -191,7 +184,8 @@ def corpus_parts(options: Namespace) -> list[CorpusPart]:
     finder = Finder(folders_of(options.path))
     stated = _stated(options.language, options.column)
     layout = TableLayout(options.sheet, options.header_row)
-    finding = _Columns(options.encoding, layout, finder, options.language, options.words)
+    named = {one: finder.column_names(one, options.words.get(one)) for one in options.language}
+    finding = _Columns(options.encoding, layout, finder, named)
     parts: dict[object, CorpusPart] = {}
     if options.language and not (options.corpus or options.lines):
         raise LipsyncError(f"there is no script to count; name a file, or state `lines` in {FILE}")
@@ -235,21 +229,16 @@ def _stated(languages: Sequence[str], columns: Sequence[str]) -> dict[str, list[
     return own
 
 
+@dataclass(frozen=True)
 class _Columns:
     """The columns of tables that are named after languages."""
 
-    def __init__(
-        self,
-        encoding: str | None,
-        layout: "TableLayout",
-        finder: "Finder",
-        languages: Iterable[str],
-        words: dict[str, str | None],
-    ) -> None:
-        self._encoding, self._layout = encoding, layout
-        self._finder = finder
-        self.names = {one: finder.column_names(one, words.get(one)) for one in languages}
-        self._heads: dict[tuple[Path, ...], dict[Path, list[str]]] = {}
+    encoding: str | None
+    layout: "TableLayout"
+    finder: "Finder"
+    names: dict[str, tuple[str, ...]]
+    """By language, the names that its column may have."""
+    heads: dict[tuple[Path, ...], dict[Path, list[str]]] = field(default_factory=dict)
 
     def own_files(self, language: str, paths: tuple[Path, ...]) -> tuple[Path, ...]:
         """Return the files of a language in place of folders that hold several languages."""
@@ -259,8 +248,8 @@ class _Columns:
         found: list[Path] = []
         for path in paths:
             files = [file for file, _ in line_files(path, lambda _: None)] if path.is_dir() else []
-            own = self._finder.language_of(language) or language
-            spoken = spoken_in(files, path, {own: self.names[language]}, self._finder)
+            own = self.finder.language_of(language) or language
+            spoken = spoken_in(files, path, {own: self.names[language]}, self.finder)
             kept = [file for file in files if spoken[file]]
             found += kept if len(kept) < len(files) else [path]
         return tuple(found)
@@ -270,18 +259,18 @@ class _Columns:
         from lipsync_lang.text.lines.columns import language_column, text_column
         from lipsync_lang.text.lines.line_readers import heads
 
-        if paths not in self._heads:
-            self._heads[paths] = heads(paths, self._encoding, self._layout)
+        if paths not in self.heads:
+            self.heads[paths] = heads(paths, self.encoding, self.layout)
         others = [names for other, names in self.names.items() if other != language]
         found = []
-        for path, head in self._heads[paths].items():
+        for path, head in self.heads[paths].items():
             at = language_column(head, self.names[language])
             found.append(at)
             if at >= 0:
                 continue
             # A text of no stated language is taken; that of another language never.
             at = text_column(head)
-            theirs = at >= 0 and self._finder.lookup("language", head[at].casefold())
+            theirs = at >= 0 and self.finder.lookup("language", head[at].casefold())
             if at < 0 or theirs or any(language_column(head, one) >= 0 for one in others):
                 raise LipsyncError(
                     f"{path}:1: which column is the text in {language}? Say "
@@ -291,7 +280,7 @@ class _Columns:
 
     def title(self, paths: tuple[Path, ...], found: Iterable[int]) -> str:
         """Return the names of the columns that were found in tables."""
-        heads = zip(self._heads[paths].values(), found, strict=True)
+        heads = zip(self.heads[paths].values(), found, strict=True)
         return ", ".join(dict.fromkeys(head[at] for head, at in heads if at >= 0))
 
 

@@ -45,10 +45,9 @@ def fill(options: Namespace) -> None:
             _take_line(options, project, path.parent)
         _take(options, project, path.parent)
     options.stated_fps = getattr(options, "fps", None)
-    if getattr(options, "fps", 0) is None:
-        options.fps = USUAL_FPS
-    if getattr(options, "offset", "") is None:
-        options.offset = "0"
+    for name, usual in (("fps", USUAL_FPS), ("offset", "0")):
+        if getattr(options, name, "") is None:
+            setattr(options, name, usual)
     # Defaults of `getattr` tell a command without an option (True) from an option that is not
     # given.
     if not getattr(options, "language", True) and _only_sound(options):
@@ -126,10 +125,10 @@ def _take(options: Namespace, pack: "Pack[Project]", folder: Path) -> None:
         # A preset on the command line replaces the project's motion as a whole; single settings
         # follow it.
         again = any(one.startswith("motion=") for one in options.settings)
-        own_settings = [f"motion.{name}={value}" for name, value in stated if not again]
+        own_settings = (f"motion.{name}={value}" for name, value in stated if not again)
         # A preset is the setting of motion as a whole.
-        own_settings = [one.replace("motion.preset=", "motion=") for one in own_settings]
-        options.settings = [*own_settings, *options.settings]
+        whole = (one.replace("motion.preset=", "motion=") for one in own_settings)
+        options.settings = [*whole, *options.settings]
     if hasattr(options, "values"):
         stated = [f"{name}={text}" for name, text in project.values.items()]
         options.values = [*stated, *options.values]

@@ -42,15 +42,10 @@ def formats(options: Namespace) -> int:
             open_project(project)
         except LipsyncError as error:  # the other formats are there all the same
             print(f"{error}\nrun: lipsync-lang validate", file=sys.stderr)
-    kinds: tuple[tuple[str, Formats[Any]], ...] = (
-        ("read", TIMING_READERS),
-        ("lines", LINE_READERS),
-        ("judge", ANIMATION_READERS),
-        ("write", WRITERS),
-    )
+    kinds: tuple[Formats[Any], ...] = TIMING_READERS, LINE_READERS, ANIMATION_READERS, WRITERS
     rows = [
-        (k, name, one.suffixes, one.title)
-        for k, known in kinds
+        (kind, name, one.suffixes, one.title)
+        for kind, known in zip(("read", "lines", "judge", "write"), kinds, strict=True)
         for name, one in sorted(known.items())
     ]
     if options.json:

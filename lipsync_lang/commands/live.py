@@ -97,9 +97,7 @@ def _gestures(
     from lipsync_lang.production.live.live_gestures import LiveGestures
 
     scales = scales_of(performer.compiled, asked)
-    if scales is None:
-        return lambda: None
-    return lambda: LiveGestures(performer.gesture_set, scales, fps)
+    return lambda: None if scales is None else LiveGestures(performer.gesture_set, scales, fps)
 
 
 def _serve_page(options: Namespace, performer: "Performer", session: "Session") -> None:

@@ -109,15 +109,12 @@ def _against(
 
 def _overriding(options: Namespace, performer: "Performer") -> Iterable[str]:
     """Return remarks on packs of the current folder that shadow built-in packs."""
-    from lipsync_lang.packs.finding import Finder
+    from lipsync_lang.packs.finding import Finder, Kind
     from lipsync_lang.packs.yaml.faults import shown
 
     finder, compiled = Finder(options.path), performer.compiled
-    paths = (
-        *finder.overriding("language", compiled.language),
-        *finder.overriding("poseset", compiled.poseset),
-        *finder.overriding("character", compiled.character),
-    )
+    kinds: tuple[Kind, ...] = ("language", "poseset", "character")
+    paths = (path for kind in kinds for path in finder.overriding(kind, getattr(compiled, kind)))
     return (f"{shown(path)} replaces the built-in pack of the same name" for path in paths)
 
 

@@ -5,9 +5,7 @@ from argparse import Namespace
 
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of, listed
 from lipsync_lang.commands.registry import handler
-from lipsync_lang.commands.shared_options import (
-    cleaning,
-)
+from lipsync_lang.commands.shared_options import cleaning
 
 
 @handler(

@@ -108,9 +108,7 @@ class ScriptDigests:
             return ()
         times = Counter(name for name, _, _ in self._found)
         named = {name: digest for name, _, digest in self._found if name and times[name] == 1}
-        unnamed = {
-            place: digest for name, place, digest in self._found if not name or times[name] > 1
-        }
+        unnamed = {place: digest for name, place, digest in self._found if name not in named}
         return (ScriptLines(languages=tuple(languages), named=named, unnamed=unnamed),)
 
 

@@ -10,6 +10,7 @@ languages. Languages have equal weights by default, because each player hears on
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
+from operator import attrgetter
 
 from lipsync_lang.base.grouping import grouped
 from lipsync_lang.base.presentation.wording import WHOLE_PERCENT, rounded
@@ -23,7 +24,6 @@ from lipsync_lang.reports.coverage.report import (
     FaceTotal,
     LanguageAddition,
     NextHour,
-    Tally,
     Total,
     WorkItem,
     WorkKey,
@@ -124,17 +124,12 @@ def joined(
     if len(documents) == 1:
         return documents[0][1]
     corpora = [document.corpus for _, document in documents]
-    dropped: dict[str, Tally] = {}
-    others: dict[str, Tally] = {}
-    for corpus in corpora:
-        for tally in corpus.dropped:
-            known = dropped.get(tally.what)
-            total = tally.count + (known.count if known else 0)
-            dropped[tally.what] = (known or tally).model_copy(update={"count": total})
-        for tally in corpus.other_speakers:  # not a sum, because all columns have the same rows
-            found = others.setdefault(tally.what, tally)
-            if found.count < tally.count:
-                others[tally.what] = tally
+    asides = grouped((one.what, one) for corpus in corpora for one in corpus.dropped).values()
+    counts = [{"count": sum(one.count for one in own)} for own in asides]
+    dropped = [own[0].model_copy(update=one) for own, one in zip(asides, counts, strict=True)]
+    speakers = grouped((one.what, one) for corpus in corpora for one in corpus.other_speakers)
+    # not a sum, because all columns have the same rows
+    others = (max(own, key=attrgetter("count")) for own in speakers.values())
     # A language in two columns is two readings of one script, so their reports need the column's
     # name.
     read_in = {(one.language, at) for at, (_, d) in enumerate(documents) for one in d.reports}
@@ -152,8 +147,8 @@ def joined(
             lines=sum(corpus.lines for corpus in corpora),
             heard=sum(corpus.heard for corpus in corpora),
             words=sum(corpus.words for corpus in corpora),
-            dropped=tuple(sorted(dropped.values(), key=lambda tally: -tally.count)),
-            other_speakers=tuple(others.values()),
+            dropped=tuple(sorted(dropped, key=lambda tally: -tally.count)),
+            other_speakers=tuple(others),
             script=tuple(
                 digests.model_copy(update={"column": column or ""})
                 for column, document in documents

@@ -74,13 +74,10 @@ def fit(
     values[:, found.numbers] = found.values
     names = tuple(channel.name for channel in found.face)
     animation = Animation(found.times, names, values, found.fps, schedule, channels=found.face)
-    remarks = list(found.remarks)
-    if found.missing:
-        told = (
-            f"{recording.source} has no column for {some_names(found.missing)}; these stay at rest"
-        )
-        remarks.append(told)
-    return animation, tuple(remarks)
+    if not found.missing:
+        return animation, found.remarks
+    told = f"{recording.source} has no column for {some_names(found.missing)}"
+    return animation, (*found.remarks, f"{told}; these stay at rest")
 
 
 @dataclass(frozen=True, eq=False)

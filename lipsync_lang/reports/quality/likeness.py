@@ -134,10 +134,8 @@ def _jaws(scene: MeasuredScene) -> Jaws:
     """
     opening = _opening(scene)
     whys, times, curves, of = opening.whys.copy(), [np.zeros(0)], [np.zeros(0)], []
-    frames = scene.frame.tolist()
-    for line, (span, frame, spoken) in enumerate(
-        zip(scene.spans, frames, scene.seconds, strict=True)
-    ):
+    lines = zip(scene.spans, scene.frame.tolist(), scene.seconds, strict=True)
+    for line, (span, frame, spoken) in enumerate(lines):
         if not whys[line] and 1 / frame < LEAST_FPS:
             few = f"fewer than the {CAPTURE_FPS:g} frames per second of captures"
             whys[line] = f"the animation has {few}"
@@ -153,8 +151,8 @@ def _jaws(scene: MeasuredScene) -> Jaws:
             curves.append(np.interp(times[-1], own, curve))
             of.append(line)
     counts = [len(one) for one in times]
-    lines = np.array(of, np.intp).repeat(counts[1:])
-    return Jaws(whys, np.concatenate(times), np.concatenate(curves), np.cumsum(counts), lines, of)
+    owner = np.array(of, np.intp).repeat(counts[1:])
+    return Jaws(whys, np.concatenate(times), np.concatenate(curves), np.cumsum(counts), owner, of)
 
 
 def _jaw_figures(

@@ -262,11 +262,9 @@ def still(scene: MeasuredScene) -> Iterable[list[Figure]]:
     said[scene.seams] = False
     resting = (scene.speeds.max(axis=0) < STILL_SPEED) & said
     first, stop = runs(resting, np.minimum(scene.frames, len(said)))
-    longest = [0.0] * len(scene.spans)
-    stays = (scene.times[stop] - scene.times[first]).tolist()
-    for line, seconds in zip(scene.frame_line[first].tolist(), stays, strict=True):
-        longest[line] = max(longest[line], seconds)
-    for span, seconds, spoken in zip(scene.spans, longest, scene.spoken, strict=True):
+    longest = np.zeros(len(scene.spans))
+    np.maximum.at(longest, scene.frame_line[first], scene.times[stop] - scene.times[first])
+    for span, seconds, spoken in zip(scene.spans, longest.tolist(), scene.spoken, strict=True):
         if not spoken:
             yield unjudged(NO_SOUNDS)
             continue
