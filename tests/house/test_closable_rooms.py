@@ -12,9 +12,8 @@ from pages import Ended
 from places import ROOT
 
 PLUG_INS = (
-    *("archives", "capture", "cluster", "festival", "g2p", "heads", "htk", "mfa"),
-    *("phonemizer", "programs", "scripts", "smartbody", "study", "timings", "transfer"),
-    "whisper",
+    *("archives", "capture", "cluster", "festival", "g2p", "heads", "htk", "mfa", "mouths"),
+    *("phonemizer", "programs", "scripts", "smartbody", "study", "timings", "whisper"),
 )
 
 """Rooms that register by entry points."""

@@ -53,7 +53,7 @@ ROOMS = {
     "plugins": (
         {"archives", "capture", "cluster", "heads", "players", "study"},
         {"programs", "scripts", "timings"},
-        {"festival", "g2p", "htk", "mfa", "phonemizer", "smartbody", "transfer", "whisper"},
+        {"festival", "g2p", "htk", "mfa", "mouths", "phonemizer", "smartbody", "whisper"},
     ),
 }
 """Floors of rooms within a wing, from the ground up; "" is the modules beside the rooms."""

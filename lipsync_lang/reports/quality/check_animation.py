@@ -100,7 +100,7 @@ def check_all(
     told: tuple[str, ...] = ()
     for start in range(0, len(animations), BLOCK_LINES):
         scene = scene_of(animations[start : start + BLOCK_LINES], performer)
-        told = (_judged_on(scene.face, performer.model),)
+        told = (judged_on(scene.face, performer.model),)
         for name, one in measures.items():
             for line, found in zip(figures[start:], one.find(scene), strict=False):
                 for part, amount, _, own, parts, findings, why in found:
@@ -113,7 +113,7 @@ def check_all(
     ]
 
 
-def _judged_on(face: Face, model: Path | None) -> str:
+def judged_on(face: Face, model: Path | None) -> str:
     """Say whether a mesh was judged, or weights and why."""
     if model is None:
         return "weights were judged: this character has no model"

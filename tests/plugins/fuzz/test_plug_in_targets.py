@@ -21,7 +21,7 @@ NO_TARGET = {
     "plugins/study/study_clips.py": "clips of our own, and models, which are a target",
     "plugins/study/study_maker.py": "clips of our own",
     "plugins/study/study_page.py": "scripts of our own",
-    "plugins/transfer/bank_move.py": "banks, which are a target",
+    "plugins/mouths/bank_move.py": "banks, which are a target",
     "plugins/whisper/whisper_recogniser.py": "a model, which the user names",
 }
 """Modules that open files without a target, with the reason."""

@@ -22,7 +22,7 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import visible
 from lipsync_lang.packs.yaml.value_text import block_lines
 from lipsync_lang.pipeline.curve import bspline, polyline
-from lipsync_lang.plugins.transfer.measured_face import SEEN_MEASURES, MeasuredFace, meaning
+from lipsync_lang.plugins.mouths.measured_face import SEEN_MEASURES, MeasuredFace, meaning
 
 MEASURE_FIRMNESS = np.array([1.0, 1.5, 0.5])
 """Weight of an error of each measure."""

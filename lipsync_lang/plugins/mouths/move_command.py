@@ -41,7 +41,7 @@ def move(options: Namespace) -> int:
     """Move a bank; tell the loss, the worst first."""
     from lipsync_lang.packs.banks.write import make_room
     from lipsync_lang.packs.library import Library
-    from lipsync_lang.plugins.transfer.bank_move import move_bank
+    from lipsync_lang.plugins.mouths.bank_move import move_bank
 
     output = options.output
     if output not in {None, STANDARD_STREAM} and output.exists():

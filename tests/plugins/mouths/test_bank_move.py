@@ -15,8 +15,8 @@ from lipsync_lang.base.errors import LipsyncError, PackError
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
 from lipsync_lang.pipeline.curve import bspline
-from lipsync_lang.plugins.transfer.bank_move import AT, MOST_KNOTS, move_bank
-from lipsync_lang.plugins.transfer.measured_face import MeasuredFace
+from lipsync_lang.plugins.mouths.bank_move import AT, MOST_KNOTS, move_bank
+from lipsync_lang.plugins.mouths.measured_face import MeasuredFace
 
 CRAB = ROOT / "posesets" / "crab" / "model.glb"
 
