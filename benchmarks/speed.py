@@ -43,6 +43,7 @@ SECTIONS: dict[str, Section] = {
     "hour": speed_performing.hour,
     "build": speed_builds.build,
     "spoken": speed_builds.spoken,
+    "aligned": speed_builds.aligned,
     "dask": speed_builds.dask,
 }
 

@@ -94,7 +94,9 @@ def built(folder: Path, name: str, count: int, *, timed: bool) -> Rows:
 
     The first of them may keep an index of files, by which the others answer.
     """
-    made = Script(folder / name.replace(" ", "_"), count, ("csv",), timed=timed)
+    made = Script(
+        folder / name.replace(" ", "_"), count, ("csv",), by="timings" if timed else "a voice"
+    )
     report = ("--report", "report.html") if not timed else ()
     run(command("build", "--dry-run"), folder=made.folder)
     first = run(command("build", "--workers", "1", *report), folder=made.folder)

@@ -28,6 +28,9 @@ GOAL_SECONDS, GOAL_SPOKEN_SECONDS, GOAL_EDITED_SECONDS = 60.0, 90.0, 2.0
 Cold = tuple[float, float]
 """Lines a second of a build, and its seconds of processors."""
 
+MAX_ALIGNED = 120
+"""Lines to align at most: each takes some 0.2 s."""
+
 GOAL_TWO_WORKERS = 1.8
 """Goal of two workers against one, on two idle cores."""
 
@@ -139,12 +142,30 @@ def build(figures: Figures, options: Namespace) -> None:
 
 def spoken(figures: Figures, options: Namespace) -> None:
     """Lines of text, spoken by eSpeak, to CSV."""
+    _untimed(figures, options, "spoken", "a voice", goal=GOAL_SPOKEN_SECONDS)
+
+
+def aligned(figures: Figures, options: Namespace) -> None:
+    """Lines of text with their recordings, aligned, to CSV."""
+    _untimed(figures, options, "aligned", "recordings", most=MAX_ALIGNED)
+
+
+def _untimed(  # noqa: PLR0913 a section and its project
+    figures: Figures,
+    options: Namespace,
+    told: str,
+    by: str,
+    *,
+    goal: float | None = None,
+    most: int = WHOLE,
+) -> None:
+    """Build lines without timings by one worker and by two."""
     found = []
-    with script(options.lines, ("csv",), timed=False) as made:
+    with script(min(options.lines, most), ("csv",), by=by) as made:
         for workers in (1, 2):
-            goal, name = GOAL_SPOKEN_SECONDS if workers == 2 else None, f"spoken, {_named(workers)}"
+            name, own_goal = f"{told}, {_named(workers)}", goal if workers == 2 else None
             own = "--workers", str(workers), "--force"  # no timings of the build before
-            found.append(_cold(figures, name, made, *own, goal=goal))
+            found.append(_cold(figures, name, made, *own, goal=own_goal))
     _beside(figures, "workers", *found)
 
 

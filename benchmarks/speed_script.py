@@ -4,6 +4,7 @@ import json
 import shutil
 import tempfile
 import time
+import wave
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 from speed_table import Ended, command, run, say
+
+import lipsync_lang as ll
 
 LABELS = "AA AE AH AO EH IH IY UW B D F G HH K L M N P R S T V W Z TH SH".split()  # noqa: SIM905 readable
 """Sounds of the lines; the edited bigram is of none of them."""
@@ -36,9 +39,19 @@ format: 1
 language: english
 character: facefx
 lines: script.csv
-timings: "vo/{{id}}.txt"
+{timed}
 outputs: [{outputs}]
 """
+
+TIMED_BY = {
+    "timings": 'timings: "vo/{id}.txt"',
+    "recordings": 'audio: "vo/{id}.wav"\nrecordings: required',
+    "a voice": "",
+}
+"""Fields of a project, by what times its lines."""
+
+RECORDED = 40
+"""Recordings of a project of aligned lines: its lines say the same texts again and again."""
 
 BANK = """\
 kind: bank
@@ -73,21 +86,30 @@ def steady_rate(events: Sequence[tuple[float, int]]) -> float:
 class Script:
     """A project of lines in a folder, and the command that builds it."""
 
-    def __init__(self, folder: Path, lines: int, outputs: Sequence[str], *, timed: bool) -> None:
+    def __init__(
+        self, folder: Path, lines: int, outputs: Sequence[str], *, by: str = "timings"
+    ) -> None:
         self.folder, self.lines, self.outputs = folder, lines, tuple(outputs)
         (folder / "vo").mkdir(parents=True)
         paths = ", ".join(f'"{one}/{{id}}.{one}"' for one in outputs)
-        (folder / "lipsync.yaml").write_text(PROJECT.format(outputs=paths), "utf-8")
+        (folder / "lipsync.yaml").write_text(
+            PROJECT.format(outputs=paths, timed=TIMED_BY[by]), "utf-8"
+        )
         chance = np.random.default_rng(1)
-        rows = ["id,text"]
+        rows, said = ["id,text"], list[str]()
         for number in range(lines):
-            rows.append(f"l{number:05},{_text(chance, number)}")
-            if timed:
+            if by != "recordings" or number < RECORDED:
+                said.append(_text(chance, number))
+            text = said[number % RECORDED if by == "recordings" else -1]
+            rows.append(f"l{number:05},{text}")
+            if by == "timings":
                 part, rest = divmod(number, max(1, lines // EDITED))
                 edited = rest == 0 and part < EDITED
                 timings = _timings(chance, edited=edited)
                 (folder / f"vo/l{number:05}.txt").write_text(timings, "utf-8")
         (folder / "script.csv").write_text("\n".join(rows) + "\n", "utf-8")
+        if by == "recordings":
+            _record(folder / "vo", lines, said)
 
     def clear(self) -> None:
         """Delete what builds have made."""
@@ -128,6 +150,18 @@ class Script:
         return sum(map(size, found.iterdir() if found.is_dir() else [found])) / self.lines / 1e3
 
 
+def _record(folder: Path, lines: int, texts: Sequence[str]) -> None:
+    """Let a voice speak each text once, and give each line a recording that no other has."""
+    spoken = [one.audio for one in ll.speak(texts, "english")]
+    for number in range(lines):
+        audio = spoken[number % len(texts)]
+        # a little longer each time: equal recordings would be aligned once
+        silence = np.zeros(number // len(texts), np.int16)
+        with wave.open(str(folder / f"l{number:05}.wav"), "wb") as file:
+            file.setparams((1, 2, audio.rate, 0, "NONE", ""))
+            file.writeframes(np.concatenate((audio.samples, silence)).tobytes())
+
+
 def _text(chance: np.random.Generator, number: int) -> str:
     """Return a sentence that no other line has."""
     return f"{' '.join(chance.choice(WORDS, 8))} {number}"
@@ -144,9 +178,9 @@ def _timings(chance: np.random.Generator, *, edited: bool) -> str:
 
 
 @contextmanager
-def script(lines: int, outputs: Sequence[str], *, timed: bool = True) -> Iterator[Script]:
+def script(lines: int, outputs: Sequence[str], *, by: str = "timings") -> Iterator[Script]:
     """Make a project of so many lines, whose packs are in the cache."""
     with tempfile.TemporaryDirectory() as folder:
-        made = Script(Path(folder) / "project", lines, outputs, timed=timed)
+        made = Script(Path(folder) / "project", lines, outputs, by=by)
         run(command("build", "--dry-run"), folder=made.folder)
         yield made

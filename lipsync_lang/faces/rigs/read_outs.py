@@ -210,7 +210,8 @@ def _lip_pairs(rest: Floats, opened: Floats) -> Ints:
     near, middle = NEAR_SHARE * size, median(rest[moving, 0].tolist())
     columns = np.round((rest[:, 0] - middle) / near).astype(int)
     found, most = [], 0.0
-    for column in np.unique(columns[moving]):
+    # a set, since the first call of `np.unique` imports `numpy.ma` for 10 ms
+    for column in sorted(set(columns[moving].tolist())):
         here = np.flatnonzero(columns == column)
         here = here[rest[here, 1].argsort()]
         heights, numbers = rest[here, 1], np.arange(len(here))

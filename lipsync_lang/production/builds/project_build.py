@@ -53,14 +53,13 @@ from lipsync_lang.production.builds.timing_formats import (
 )
 from lipsync_lang.resolver.cache import compiler, folder
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
-from lipsync_lang.sound.speech.hearing.adaptation import SpokenFile, adapt, write_adapted
-from lipsync_lang.sound.speech.hearing.align.pocketsphinx_aligner import models_of
-from lipsync_lang.sound.speech.hearing.sphinx.folder import Models
 from lipsync_lang.sound.speech.needed_extras import engines_of, missing_for, missing_words
 from lipsync_lang.text.phonology.manner import Manner
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.models import Project
+    from lipsync_lang.sound.speech.hearing.adaptation import SpokenFile
+    from lipsync_lang.sound.speech.hearing.sphinx.folder import Models
 
 NONE_KNOWN: Mapping[str, Manner] = {}
 
@@ -401,6 +400,9 @@ def _adapted_folder(
     pair: PairNeeds, home: Path, lines: Sequence[PlannedLine], remark: AdaptationRemark
 ) -> Path | None:
     """Return the folder of the adapted model, made first if the cache lacks it."""
+    from lipsync_lang.sound.speech.hearing.adaptation import SpokenFile
+    from lipsync_lang.sound.speech.hearing.align.pocketsphinx_aligner import models_of
+
     where = folder()
     if where is None:
         raise LipsyncError("the cache is off, and adapted models are kept there")
@@ -424,12 +426,14 @@ def _adapted_folder(
 
 def _make(
     pair: PairNeeds,
-    spoken: Sequence[SpokenFile],
-    models: Models,
+    spoken: "Sequence[SpokenFile]",
+    models: "Models",
     path: Path,
     remark: AdaptationRemark,
 ) -> None:
     """Adapt a model into a folder of the cache, or mark there that it gains nothing."""
+    from lipsync_lang.sound.speech.hearing.adaptation import adapt, write_adapted
+
     speaker = pair.performer.speaker
     found = adapt(speaker, spoken, models)
     rise = f"log likelihood of held-out frames {found.before:.2f} to {found.after:.2f}"

@@ -5,7 +5,6 @@ from lanes import full
 from spoken_sentences import SENTENCES
 
 from lipsync_lang import cli
-from lipsync_lang.production.builds import project_build
 from lipsync_lang.production.builds.project_build import ProjectBuild
 from lipsync_lang.resolver.cache import CACHE_VARIABLE
 from lipsync_lang.sound.speech.hearing import adaptation
@@ -47,7 +46,7 @@ def test_a_build_adapts_once_for_the_same_recordings(game, monkeypatch):
         asked.append(len(lines))
         return adaptation.Adaptation(shipped, -2.0, -1.0, len(lines), ("3.wav: no",))
 
-    monkeypatch.setattr(project_build, "adapt", adapt)
+    monkeypatch.setattr(adaptation, "adapt", adapt)
     remarks = []
     first, second = aligners(remarks), aligners(remarks)
     assert asked == [10]
@@ -62,7 +61,7 @@ def test_a_build_adapts_once_for_the_same_recordings(game, monkeypatch):
 @pytest.mark.usefixtures("game")
 def test_a_model_that_gains_nothing_stays(monkeypatch):
     same = adaptation.Adaptation(find_models("en-us").model, -1.0, -1.0, 10, ())
-    monkeypatch.setattr(project_build, "adapt", lambda *_: same)
+    monkeypatch.setattr(adaptation, "adapt", lambda *_: same)
     remarks = []
     assert aligners(remarks) == aligners(remarks) == ("pocketsphinx",)
     assert len(remarks) == 1
