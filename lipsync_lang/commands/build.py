@@ -324,6 +324,7 @@ def _report(
         "over_limits": tally.over,
         "doubted": tally.doubtful,
         "unsure": tally.unsure,
+        "lacking": tally.lacking,
         "remarks": list(map(as_options, outcome.remarks)),
         "kept": outcome.kept,
         "gone": [] if options.prune else gone,
@@ -332,6 +333,21 @@ def _report(
         "seconds": round(outcome.seconds, 3),
     }
     return figures, over, tally.passed()
+
+
+COUNTED = {
+    "over_limits": ("line", "past a limit of the project"),
+    "unsure": ("recording", "may not hold the text: listen first"),
+    "lacking": ("line", "with words left out; a report names them, and asterisks bring one back"),
+    "doubted": (
+        "line",
+        (
+            "doubtful: past a recommended limit of the face, or unlike the recording; `limits` in "
+            "the project make them fail the build"
+        ),
+    ),
+}
+"""Nouns and words of the counts that are told, by figure."""
 
 
 def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
@@ -343,13 +359,9 @@ def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
         if one.unsure:
             worst.append(f"the recording may hold other words ({one.confidence:.0%})")
         yield f"{line.place}: {line.name}, {line.language} on {line.character}: {', '.join(worst)}"
-    if figures["over_limits"]:
-        yield f"{count(figures['over_limits'], 'line')} past a limit of the project"
-    if figures["unsure"]:
-        yield f"{count(figures['unsure'], 'recording')} may not hold the text: listen first"
-    if figures["doubted"]:
-        told = f"{count(figures['doubted'], 'line')} doubtful: past a recommended limit of the face"
-        yield f"{told}, or unlike the recording; `limits` in the project make them fail the build"
+    for name, (noun, told) in COUNTED.items():
+        if figures[name]:
+            yield f"{count(figures[name], noun)} {told}"
     if deleted := figures["deleted"]:
         yield f"{count(len(deleted), 'file')} deleted: {shortlist(deleted, MAX_NAMED)}"
     yield from (f"wrote {path}" for path in figures["reports"])

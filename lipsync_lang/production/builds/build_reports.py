@@ -219,6 +219,7 @@ class JsonReport:
             "failed": tally.failed,
             "over_limit": tally.over,
             "doubtful": tally.doubtful,
+            "lacking": tally.lacking,
             "kept": list(heading.kept),
             "seconds": round(heading.seconds, 3),
             "confidence": tally.mean_confidence,

@@ -72,14 +72,17 @@ class BuildOutcome:
 
     def lines(self) -> Iterator[CountedLine]:
         """Yield every line of the project as it stands; the record is open while they are used."""
+        lacking = self.records.lacking()
         for step in self.plan.steps:
-            made, record = self.built.get(step.line.key), step.record
+            key, record = step.line.key, step.record
+            made = self.built.get(key)
             if made is not None:
                 yield made
             elif record is not None:
                 figures = record.confidence, record.heading, record.figures
                 whole = partial(self._restored, step.line, figures)
-                yield CountedLine(step.line, record.verdict == "failed", *figures, whole)
+                failed = record.verdict == "failed"
+                yield CountedLine(step.line, failed, *figures, whole, key in lacking)
 
     def add(self, built: BuiltLine) -> None:
         """Count a line that was made and recorded."""

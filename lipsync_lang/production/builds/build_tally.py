@@ -35,6 +35,9 @@ MAX_WORST = 500
 MAX_COUNTED_LINES = 4096
 """Maximum number of lines that are counted at once, in arrays of a few megabytes."""
 
+LACKS_WORDS = 1.0
+"""Rank of a line whose recording lacks words; lines past a limit or in doubt have larger ones."""
+
 ZERO_SCALE = 10
 """Badness of a value of 1 if the limit is 0."""
 
@@ -62,12 +65,14 @@ class CountedLine(NamedTuple):
     """Name, unit and binding of its figures; see `packed_figures`."""
     figures: bytes
     whole: Callable[[], BuiltLine]
+    lacking: bool = False
+    """True if the recording lacks words of the text."""
 
     @classmethod
     def of(cls, built: BuiltLine) -> "CountedLine":
         """Return a line for the counts."""
         known = built.outcome == "failed", built.confidence, *packed_figures(built.figures)
-        return cls(built.line, *known, lambda: built)
+        return cls(built.line, *known, lambda: built, bool(built.left_out))
 
 
 def _blocks(lines: Iterable[CountedLine]) -> Iterator[list[tuple[int, CountedLine]]]:
@@ -145,7 +150,7 @@ class BuildTally:
     """Counts over all lines of a build, and the worst `most` lines in full."""
 
     def __init__(self, lines: Iterable[CountedLine], most: int = MAX_WORST) -> None:
-        self.lines = self.failed = self.over = self.doubtful = 0
+        self.lines = self.failed = self.over = self.doubtful = self.lacking = 0
         self.pairs: dict[tuple[str, str], PairTally] = {}
         self.figures: dict[tuple[str, bool], FigureTally] = {}
         self.confidence: Ints = np.zeros(BINS, np.intp)
@@ -166,12 +171,13 @@ class BuildTally:
         ranked = np.concatenate(ranks)
         worst = ranked[np.lexsort(ranked.T[::-1])[::-1][:most]]
         self._worst = [every[-int(number)] for number in worst[:, 3]]
-        self._past = int(np.count_nonzero(worst[:, 0]))
+        self._past = int(np.count_nonzero(worst[:, 0] > LACKS_WORDS))
 
     def _add(self, lines: Sequence[CountedLine]) -> tuple[Floats, Floats, Floats]:
         """Count (L,) lines of a pair with the same figures; return their order, (L,) each.
 
-        Failed lines come first, then unsure ones by confidence, then others by their worst figures.
+        Failed lines come first, then unsure ones by confidence, then those over a limit and those
+        whose recording lacks words, and all by their worst figures.
         """
         values, limits, heads = unpacked_figures(lines[0].heading, [one.figures for one in lines])
         failed = np.array([one.failed for one in lines])
@@ -208,7 +214,9 @@ class BuildTally:
         most = np.where(bad | ~beyond[:, None], share, 0.0).max(axis=1, initial=0.0)
         doubt = 1 - np.where(aligned, confidence, 1.0)
         unsure = ~failed & (doubt > 1 - DOUBTFUL)
-        rank = np.where(failed, 3.0, np.where(unsure, 2.0, np.where(beyond, 1.0, 0.0)))
+        lacking = np.array([one.lacking for one in lines])
+        self.lacking += int(lacking.sum())
+        rank = np.select([failed, unsure, beyond, lacking], [4.0, 3.0, 2.0, LACKS_WORDS])
         return rank, np.where(unsure, doubt, most), np.where(unsure, most, doubt)
 
     @cached_property

@@ -51,6 +51,11 @@ CREATE TABLE IF NOT EXISTS line (
 
 SELECT_RESULT = "SELECT result FROM line WHERE language = ? AND character = ? AND name = ?"
 
+SELECT_LACKING = (
+    "SELECT language, character, name FROM line "
+    "WHERE json_valid(result) AND json_array_length(result, '$[4]') > 0"
+)
+
 SELECT_OUTPUTS = SELECT_RESULT.replace("result", "outputs")
 
 DELETE_LINE = "DELETE FROM line WHERE language = ? AND character = ? AND name = ?"
@@ -79,7 +84,7 @@ class LineRecord(NamedTuple):
     needs : bytes of (n,) `NEED`: needs with their digests
     outputs : by path from the project's folder
     heading, figures : figures of quality, as `packed_figures` has them
-    result : the rest of a `BuiltLine` as JSON, which is read by `Records.result` alone
+    result : the rest of a `BuiltLine` as JSON; words that the recording lacks are its fifth part
     at : time of its making in nanoseconds
     """
 
@@ -179,6 +184,10 @@ class Records:
         """Return the result of a line."""
         row = self._base.execute(SELECT_RESULT, key).fetchone()
         return from_json(row and row[0], list)
+
+    def lacking(self) -> set[Key]:
+        """Return the lines whose recordings lack words of their texts."""
+        return {*self._base.execute(SELECT_LACKING)}
 
     def outputs(self, key: Key) -> dict[str, OutputRecord]:
         """Return the outputs of a line by path, as the last build left them."""

@@ -552,6 +552,21 @@ def test_what_a_writer_remarks_on_a_model_is_said_once(game, capsys):
     assert game.build().end["remarks"] == []
 
 
+def test_words_that_a_recording_lacks_are_told_by_each_build(game, monkeypatch, capsys):
+    timed = making.schedules
+
+    def lacking(folder, lines, *more):
+        for line, one in zip(lines, timed(folder, lines, *more), strict=True):
+            yield replace(one, left_out=("big",) if line.name == "map" else ())
+
+    monkeypatch.setattr(making, "schedules", lacking)
+    first, again = game.build(), game.build("--report", "r.json")
+    assert (first.end["lacking"], again.end["lacking"], again.built) == (1, 1, [])
+    assert "'big'" in first.end["remarks"][0]
+    assert main(["build"]) == 0
+    assert "1 line with words left out" in capsys.readouterr().err
+
+
 def test_lines_share_a_face(game):
     project = PROJECT.replace("takes/{id}.csv", "takes/{id}.glb")
     game.write("lipsync.yaml", project)

@@ -34,6 +34,7 @@ HEADING = BuildHeading("The Long Night", 3, 17, ("takes/kept.csv",), 12.5)
 
 def made(number=0, *, lips=0.0, speed=10.0, confidence=None, failed=False, **plan):
     """Return a line of a build with two limited figures and one without a limit."""
+    left_out = plan.pop("left_out", ())
     known = {
         "name": f"l{number}",
         "language": LANGUAGES[number % 2],
@@ -54,7 +55,7 @@ def made(number=0, *, lips=0.0, speed=10.0, confidence=None, failed=False, **pla
         JudgedFigure("turns", 7.0, "per second", None),
         JudgedFigure("lead_missing", None, "s", 0.05, (), "fewer than 3 sounds"),
     )
-    return BuiltLine(line, "built", "", 3.0, confidence, figures)
+    return BuiltLine(line, "built", "", 3.0, confidence, figures, left_out)
 
 
 def write(*paths_lines_heading, pages=None):
@@ -99,10 +100,10 @@ def badness(line):
     confidence = 1.0 if line.confidence is None else line.confidence
     most = max(map(share_of_limit, line.failed or line.figures), default=0.0)
     if line.outcome == "failed":
-        return 3.0, most, 1 - confidence
+        return 4.0, most, 1 - confidence
     if line.unsure:
-        return 2.0, 1 - confidence, most
-    return float(bool(line.failed)), most, 1 - confidence
+        return 3.0, 1 - confidence, most
+    return 2.0 if line.failed else float(bool(line.left_out)), most, 1 - confidence
 
 
 @given(
@@ -114,6 +115,7 @@ def badness(line):
             speed=st.floats(0, 40),
             confidence=st.none() | st.floats(0, 1),
             failed=st.booleans(),
+            left_out=st.sampled_from([(), ("big",)]),
         ),
         max_size=40,
     ),
@@ -127,6 +129,7 @@ def test_every_line_is_counted_and_the_worst_are_the_worst(counted_at_once, line
     assert tally.lines == len(lines) == sum(pair.lines for pair in tally.pairs.values())
     assert tally.failed == sum(line.outcome == "failed" for line in lines)
     assert tally.over == sum(bool(line.failed) for line in lines)
+    assert tally.lacking == sum(bool(line.left_out) for line in lines)
     for figure in tally.figures.values():
         counts = figure.bars
         assert sum(counts) == figure.judged
@@ -190,11 +193,15 @@ def test_junit_holds_any_text(report):
 
 
 def test_words_that_a_recording_lacks_are_listed(report):
-    lines = [made(0), replace(made(1), left_out=("big", "dog"))]
+    lines = [made(0, speed=11.0), made(1, left_out=("big", "dog")), made(2, speed=12.0)]
     told = ET.fromstring(report(lines, ".xml")).findall(".//system-out")  # noqa: S314 our own
     assert [one.text for one in told] == ["script.csv:3: l1 lacks big, dog"]
-    rows = json.loads(report(lines, ".json"))["rows"]
-    assert [row["left_out"] for row in rows] == [[], ["big", "dog"]]
+    document = json.loads(report(lines, ".json"))
+    assert [row["left_out"] for row in document["rows"]] == [[], ["big", "dog"], []]
+    assert document["lacking"] == 1
+    assert "lack words" in report(lines)
+    assert "lack words" not in report(lines[::2])
+    assert BuildTally(map(CountedLine.of, lines), 1).worst == [lines[1]]
 
 
 # JSON
