@@ -20,15 +20,16 @@ family("models", "adapt an acoustic model to the voices of a game", ADAPT_EXAMPL
 )
 def adapt(options: Namespace) -> int:
     """Adapt a model, and write it if it gains."""
-    from lipsync_lang.sound.speech.hearing.adaptation import adapt, spoken_files, write_adapted
+    from lipsync_lang.sound.speech.hearing import adaptation
     from lipsync_lang.sound.speech.hearing.align.pocketsphinx_aligner import models_of
     from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
     speaker = Speaker.of(options.language, options.path)
     models = models_of(options.model or speaker.manner.audio.model)
-    lines = spoken_files(options.folder)
+    adaptation.refuse_folder(models, options.output)
+    lines = adaptation.spoken_files(options.folder)
     with listening("adapting"):
-        found = adapt(speaker, lines, models)
+        found = adaptation.adapt(speaker, lines, models)
     for line in found.left_out:
         print(f"left out: {line}", file=sys.stderr)
     rise = f"{found.before:.2f} to {found.after:.2f}"
@@ -36,6 +37,6 @@ def adapt(options: Namespace) -> int:
     if not found.gains:
         print("the held-out lines gained nothing; no model was written", file=sys.stderr)
         return FAULTS
-    write_adapted(models, found.model, options.output)
+    adaptation.write_adapted(models, found.model, options.output)
     tell_written(options.output)
     return SOUND

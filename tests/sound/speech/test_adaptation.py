@@ -1,6 +1,7 @@
 """Adaptation: an acoustic model learns voices from recordings and their texts alone."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from spoken_sentences import SENTENCES
 
 from lipsync_lang import cli
 from lipsync_lang.base.errors import OutputError, SpeechError
+from lipsync_lang.sound.speech.hearing import adaptation
 from lipsync_lang.sound.speech.hearing.adaptation import (
     AlignedFrames,
     GaussianSums,
@@ -164,8 +166,6 @@ def test_the_text_of_a_language_without_a_pack_is_ipa(english, recordings, tmp_p
 
 
 def test_a_model_that_gains_nothing_is_not_written(monkeypatch, tmp_path, shipped, capsys):
-    from lipsync_lang.sound.speech.hearing import adaptation
-
     nothing = adaptation.Adaptation(shipped.model, -100.0, -100.5, 10, ("a.wav: no",))
     monkeypatch.setattr(adaptation, "adapt", lambda *_: nothing)
     monkeypatch.setattr(adaptation, "spoken_files", lambda _: [])
@@ -173,6 +173,26 @@ def test_a_model_that_gains_nothing_is_not_written(monkeypatch, tmp_path, shippe
     assert cli.main(["models", "adapt", str(tmp_path), "-l", "english", "-o", str(out)]) == 1
     assert "no model was written" in capsys.readouterr().err
     assert not out.exists()
+
+
+@pytest.mark.parametrize("place", ["../anna", "anna", "there/../../anna"])
+def test_a_folder_outside_is_written_by_any_path(place, tmp_path, monkeypatch, shipped):
+    here = tmp_path / "here"
+    (here / "there").mkdir(parents=True)
+    monkeypatch.chdir(here)
+    write_adapted(shipped, shipped.model, Path(place))
+    assert models_in(here / place).dictionary.exists()
+
+
+@pytest.mark.parametrize(("place", "told"), [("link/anna", "by a link"), ("old", "exists")])
+def test_a_folder_is_refused_before_the_work(place, told, tmp_path, monkeypatch, capsys):
+    (tmp_path / "old").mkdir()
+    monkeypatch.chdir(tmp_path / "old")
+    (tmp_path / "old" / "old").mkdir()
+    (tmp_path / "old" / "link").symlink_to(tmp_path)
+    monkeypatch.setattr(adaptation, "spoken_files", lambda _: pytest.fail("it works"))
+    assert cli.main(["models", "adapt", "vo", "-l", "english", "-o", place]) == 2
+    assert told in capsys.readouterr().err
 
 
 def test_few_lines_and_folders_without_texts_are_refused(english, shipped, tmp_path):

@@ -12,6 +12,7 @@ prior of the shift of one Gaussian (structural MAP, Shinoda and Lee 2001)::
 with the posterior probability g of a Gaussian in the aligned state of frame x.
 """
 
+import os
 import shutil
 import struct
 from collections.abc import Sequence
@@ -282,18 +283,23 @@ def _fitting(
     return aligned_frames(reader.models.model, features[:], heard)
 
 
-def write_adapted(models: Models, adapted: AcousticModel, folder: Path) -> None:
-    """Write a copy of a model of CMU Sphinx with other means, under the same terms.
+def refuse_folder(models: Models, folder: Path) -> None:
+    """Raise an error if `write_adapted` cannot write a model as a folder.
 
     A model of another form is a `SpeechError`; a folder that exists is an `OutputError`.
     """
     if not (models.acoustic / "means").is_file():
         raise SpeechError(f"{models.acoustic}: only models of CMU Sphinx are written")
     here = Path.cwd()
-    if folder.absolute().is_relative_to(here):
+    if Path(os.path.abspath(folder)).is_relative_to(here):  # noqa: PTH100 a link is not followed
         refuse_outside(folder, here)
     if folder.exists():
         raise OutputError(f"{folder}: exists; name another folder, or delete it")
+
+
+def write_adapted(models: Models, adapted: AcousticModel, folder: Path) -> None:
+    """Write a copy of a model of CMU Sphinx with other means, under the same terms."""
+    refuse_folder(models, folder)
     _, means = means_of(adapted)
     values = means.swapaxes(2, 3).astype("<f4")
     books, streams, count, length = values.shape
