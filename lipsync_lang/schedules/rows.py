@@ -259,7 +259,7 @@ def _without_gaps(
 
 
 def _shared(rows: Iterable[LabelRow]) -> Iterator[LabelRow]:
-    """Yield rows; those without length have equal shares of the time of a neighbour."""
+    """Yield rows; those without length have equal shares of the time of a neighbour or a gap."""
     given = list(rows)
     if all(row.end - row.start >= SNAP_SECONDS for row in given):
         yield from given
@@ -273,11 +273,21 @@ def _shared(rows: Iterable[LabelRow]) -> Iterator[LabelRow]:
     for group in ahead:
         late = groups and _one_time(group[0].start, group[-1].end, groups[-1][-1].end)
         groups += [groups.pop() + group if late else group]
-    for group in groups:
-        if len(group) == 1:
-            yield group[0]
-            continue
+    timed = [not _one_time(group[0].start, group[-1].end) for group in groups]
+    if any(timed) and not any(timed[-2:]):
+        groups[-2:] = [groups[-2] + groups[-1]]
+    for number, group in enumerate(groups):
         start, stop = group[0].start, group[-1].end
+        if any(timed) and _one_time(start, stop):
+            # sounds without a neighbour have the gap after them, or at the end the one before
+            most = TYPICAL_SOUND_SECONDS * len(group)
+            if group is groups[-1]:
+                start = max(start - most, groups[number - 1][-1].end)
+            else:
+                stop = min(start + most, groups[number + 1][0].start)
+        if len(group) == 1:
+            yield group[0]._replace(start=start, end=stop)
+            continue
         bounds = [start + (stop - start) * at / len(group) for at in range(len(group))]
         spans = zip(group, bounds, [*bounds[1:], stop], strict=True)
         yield from (row._replace(start=start, end=stop) for row, start, stop in spans)

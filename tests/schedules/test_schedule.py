@@ -1,6 +1,7 @@
 """Schedules: refusals, words, and readers."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +12,9 @@ from places import TESTS
 import lipsync_lang as ll
 from lipsync_lang.base.errors import ScheduleError
 from lipsync_lang.schedules import SILENCE
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import SNAP_SECONDS, words_from_spans
+from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import TIMING_READERS
 
 LABELS = ("HH", "AH0", "L", "OW1")
@@ -324,6 +327,32 @@ def test_every_reader_refuses_in_words(reader, content, tmp_path):
     with pytest.raises(ScheduleError, match=r"line\.") as caught:
         ll.read_schedule(path)
     assert str(caught.value).startswith(str(path))
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 30), st.sampled_from([0, 0, 3, 5])), min_size=2, max_size=8)
+)
+def test_sounds_without_length_have_a_gap_or_the_time_of_a_neighbour(steps):
+    rows, at = [], 0.0
+    for gap, length in steps:
+        rows.append(LabelRow("a", at + gap / 100, at + (gap + length) / 100))
+        at = rows[-1].end
+    source = TimingFile(Path("a.ctm"), b"")
+    if not any(length for _, length in steps):
+        with pytest.raises(ScheduleError, match="has no length"):
+            schedule_of(source, rows)
+        return
+    found = schedule_of(source, rows)
+    assert found.labels.count("a") == len(rows)
+    assert np.diff(found.times).min() > 0
+    assert found.times[-1] == pytest.approx(at)
+
+
+def test_sounds_without_length_between_gaps_have_the_usual_length():
+    rows = [("a", 0, 0.1), ("u", 0.3, 0.3), ("b", 0.3, 0.3), ("i", 0.5, 0.7), ("m", 0.8, 0.8)]
+    found = schedule_of(TimingFile(Path("a.ctm"), b""), [LabelRow(*row) for row in rows])
+    assert found.labels == ("a", "_", "u", "b", "_", "i", "_", "m")
+    assert found.times == pytest.approx([0, 0.1, 0.3, 0.38, 0.46, 0.5, 0.7, 0.72, 0.8])
 
 
 @given(st.lists(st.integers(1, 9), min_size=1, max_size=3), st.integers(1, 40))
