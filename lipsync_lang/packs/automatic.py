@@ -49,6 +49,12 @@ def unpacked(name: str) -> str | None:
     return f"espeak:{found[0]}" if found else None
 
 
+def coded_language(name: str) -> "re.Match[str] | None":
+    """Return the code of a name ENGINE:CODE, with its `tag`; None for any other name."""
+    engine, _, code = name.partition(":")
+    return LANGUAGE_CODE.fullmatch(code) if engine in IPA_ENGINES else None
+
+
 def automatic(name: str, phonemes: "Callable[[], Pack[Phonemes]]") -> "Pack[Language] | None":
     """Make the language for a name ENGINE:CODE; None for any other name.
 
@@ -57,8 +63,8 @@ def automatic(name: str, phonemes: "Callable[[], Pack[Phonemes]]") -> "Pack[Lang
     from lipsync_lang.packs.models import Language
 
     engine, _, code = name.partition(":")
-    coded = LANGUAGE_CODE.fullmatch(code)
-    if engine not in IPA_ENGINES or coded is None:
+    coded = coded_language(name)
+    if coded is None:
         return None
     field = IPA_ENGINES[engine]
     common = phonemes().model

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 from lipsync_lang.base.errors import MAX_KNOWN, LipsyncError, shortlist
 from lipsync_lang.base.files.names import folded_name
+from lipsync_lang.packs.automatic import coded_language
 from lipsync_lang.packs.finding import Finder, Kind
 from lipsync_lang.packs.language_files import languages_of_files
 from lipsync_lang.production.builds.project_folder import from_template, starter
@@ -355,7 +356,7 @@ def _languages(
     """Return the languages with the words for them in folders or columns."""
     heads = _headed(cells, taken, finder)
     if asked is not None:
-        own = finder.language_of(asked)
+        own = finder.language_of(asked) or (asked if coded_language(asked) else None)
         if own is None:
             raise finder.unknown(asked, "language")
         words = {own: folders.get(own, heads.get(own, own))}

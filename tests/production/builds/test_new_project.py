@@ -122,6 +122,15 @@ def test_names_of_languages_inside_headers_are_read(cli, game, head, languages):
     assert "guess" not in ended.err
 
 
+def test_a_language_without_a_pack_is_named_by_its_code(cli, game):
+    (game / "script.csv").write_text("id,text\na,mama\nb,papa\n")
+    ended = cli("new", "--from", "script.csv", "-l", "ipa:lg")
+    assert ended.code == 0, ended.err
+    assert 'languages: ["ipa:lg"]' in stated(game).splitlines()
+    (game / "lipsync.yaml").unlink()
+    assert "unknown language 'ipa:'" in cli("new", "--from", "script.csv", "-l", "ipa:").err
+
+
 def test_a_doubtful_text_is_asked_for_and_a_guess_is_told(cli, game):
     (game / "script.csv").write_text("id,Cue,Direction\na,Hello you.,whispers\nb,Bye.,sadly\n")
     ended = cli("new", "--from", "script.csv")
