@@ -4,6 +4,7 @@ import shutil
 import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import reduce
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -12,6 +13,9 @@ from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.base.extras import install_line
 
 SOUND_HEAD_BYTES = 512
+
+ID3_HEAD_BYTES = 10
+"""Head of a tag before the sound; its last four bytes have seven bits each of the tag's length."""
 
 MAX_DECODED_SECONDS = 7_201
 """Longest decoded sound: a second more than the longest recording, which is refused by its own."""
@@ -34,11 +38,13 @@ class Compression(NamedTuple):
 
 
 COMPRESSIONS = (
-    Compression(4, b"ftyp", "MPEG-4 sound or video (m4a, mp4, mov)", "mov"),
+    *(
+        Compression(4, atom, "MPEG-4 or QuickTime (m4a, mp4, mov)", "mov")
+        for atom in (b"ftyp", b"wide", b"free", b"skip", b"mdat", b"moov")
+    ),
     Compression(0, b"\x1aE\xdf\xa3", "Matroska or WebM", "matroska"),
     Compression(0, b"0&\xb2u\x8ef\xcf\x11", "Windows Media (wma)", "asf"),
-    Compression(0, b"\xff\xf1", "AAC", "aac"),
-    Compression(0, b"\xff\xf9", "AAC", "aac"),
+    *(Compression(0, bytes([0xFF, one]), "AAC", "aac") for one in (0xF0, 0xF1, 0xF8, 0xF9)),
     Compression(0, b"#!AMR", "AMR", "amr"),
     Compression(0, b".RMF", "RealMedia", "rm"),
     Compression(0, b"MAC ", "Monkey's Audio (ape)", "ape"),
@@ -47,9 +53,13 @@ COMPRESSIONS = (
 
 
 def compression(path: Path) -> Compression | None:
-    """Return the format of a file, if it is one that ffmpeg decodes."""
+    """Return the format of a file, if it is one that ffmpeg decodes; an ID3 tag is passed over."""
     with path.open("rb") as stream:
         head = stream.read(SOUND_HEAD_BYTES)
+        if head.startswith(b"ID3") and len(head) > ID3_HEAD_BYTES:
+            size = reduce(lambda high, low: high << 7 | low & 0x7F, head[6:ID3_HEAD_BYTES], 0)
+            stream.seek(ID3_HEAD_BYTES + size)
+            head = stream.read(SOUND_HEAD_BYTES)
     return next((one for one in COMPRESSIONS if head[one.at :].startswith(one.mark)), None)
 
 

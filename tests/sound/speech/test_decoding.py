@@ -58,6 +58,31 @@ def test_a_recording_is_what_ffmpeg_writes_as_wav(ffmpeg, tone, tmp_path, suffix
         read_audio(path, 3)
 
 
+@pytest.mark.parametrize("atom", [b"wide", b"free", b"skip"])
+def test_a_film_may_begin_with_any_atom_of_quicktime(ffmpeg, tone, tmp_path, atom):
+    ffmpeg("-i", tone, "-c:a", "pcm_s16le", tmp_path / "film.mov")
+    whole = (tmp_path / "film.mov").read_bytes()
+    assert whole[4:8] == b"ftyp"
+    (tmp_path / "old.mov").write_bytes(whole[:4] + atom + whole[8:])
+    found, same = read_audio(tmp_path / "old.mov"), read_audio(tmp_path / "film.mov")
+    assert np.array_equal(found.samples, same.samples)
+
+
+@pytest.mark.parametrize("size", [10, 300, 70_000])
+def test_a_tag_before_the_sound_is_passed_over(ffmpeg, tone, tmp_path, size):
+    length = bytes(size >> by & 0x7F for by in (21, 14, 7, 0))
+    for form in ("aac", "mp3"):
+        ffmpeg("-i", tone, "-id3v2_version", "0", tmp_path / f"plain.{form}")
+        sound = (tmp_path / f"plain.{form}").read_bytes()
+        tag = b"ID3\x04\0\0" + length + bytes(size)
+        (tmp_path / f"tagged.{form}").write_bytes(tag + sound)
+        found, same = (
+            read_audio(tmp_path / f"tagged.{form}"),
+            read_audio(tmp_path / f"plain.{form}"),
+        )
+        assert np.array_equal(found.samples, same.samples)
+
+
 def test_a_film_gives_its_first_sound(ffmpeg, tone, tmp_path):
     film, mute = tmp_path / "film.mov", tmp_path / "mute.mov"
     picture = ("-f", "lavfi", "-i", "color=size=16x16:rate=5:duration=1")
@@ -89,7 +114,7 @@ def test_a_file_opens_no_other(tmp_path):
                 read_audio(path)
 
 
-@pytest.mark.parametrize("one", decoding.COMPRESSIONS, ids=lambda one: one.title)
+@pytest.mark.parametrize("one", decoding.COMPRESSIONS, ids=lambda one: f"{one.mark}")
 def test_ffmpeg_is_told_the_format_and_to_open_files_alone(tmp_path, monkeypatch, one):
     asked = []
 
