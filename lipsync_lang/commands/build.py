@@ -336,18 +336,13 @@ def _report(
 
 
 COUNTED = {
-    "over_limits": ("line", "past a limit of the project"),
-    "unsure": ("recording", "may not hold the text: listen first"),
-    "lacking": ("line", "with words left out; a report names them, and asterisks bring one back"),
-    "doubted": (
-        "line",
-        (
-            "doubtful: past a recommended limit of the face, or unlike the recording; `limits` in "
-            "the project make them fail the build"
-        ),
-    ),
+    "over_limits": "line past a limit of the project",
+    "unsure": "recording may not hold the text: listen first",
+    "lacking": "line with words left out; a report names them, and asterisks bring one back",
+    "doubted": "line doubtful: past a recommended limit of the face, or unlike the recording; "
+    "`limits` in the project make them fail the build",
 }
-"""Nouns and words of the counts that are told, by figure."""
+"""What is told of each count after its number; the first word is counted."""
 
 
 def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
@@ -359,7 +354,8 @@ def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
         if one.unsure:
             worst.append(f"the recording may hold other words ({one.confidence:.0%})")
         yield f"{line.place}: {line.name}, {line.language} on {line.character}: {', '.join(worst)}"
-    for name, (noun, told) in COUNTED.items():
+    for name, counted in COUNTED.items():
+        noun, _, told = counted.partition(" ")
         if figures[name]:
             yield f"{count(figures[name], noun)} {told}"
     if deleted := figures["deleted"]:

@@ -139,3 +139,17 @@ def _common(one: Sequence[str], other: Sequence[str]) -> int:
     """Count the equal labels at the start of two lists."""
     pairs = enumerate(zip(one, other, strict=False))
     return next((n for n, (a, b) in pairs if a != b), min(len(one), len(other)))
+
+
+def excerpt(line: Schedule, first: int, stop: int) -> Schedule:
+    """Return the phonemes from `first` until `stop` of a line, with their words."""
+    words = tuple(
+        replace(w, first=max(w.first, first) - first, stop=min(w.stop, stop) - first)
+        for w in line.words
+        if first <= w.first < stop
+    )
+    return replace(
+        line, labels=line.labels[first:stop], times=line.times[first : stop + 1],
+        words=words, stress=line.stress[first:stop], lines=line.lines[first:stop],
+        likely=line.likely[first:stop],
+    )  # fmt: skip

@@ -363,3 +363,7 @@ def _check_words(source: str, words: Sequence[Word], count: int) -> None:
         if right.first < left.stop:
             what = f"words {left.text!r} and {right.text!r} share phoneme {right.first}"
             raise ScheduleError(f"{source}: {what}; list words in order and without overlap")
+
+
+AT_REST = Schedule((SILENCE,), np.array([0.0, 0.1]))
+"""Silence, for a mouth at rest."""

@@ -140,10 +140,7 @@ class RequestCheck:
     def _refusal(self, path: str, headers: dict[str, str]) -> Response | None:
         """Return the response to a refused request; None for other requests."""
         if headers.get("host") not in self.hosts:
-            return _error(
-                421,
-                "this address is not that of the studio; use the address that the studio printed",
-            )
+            return _error(421, "this is not the address of the studio; use the one that it printed")
         origin, site = headers.get("origin"), headers.get("sec-fetch-site", "none")
         foreign = origin is not None and _host_of(origin) not in self.hosts
         # Old browsers send no `Sec-Fetch-Site`, and some requests have no `Origin`: each has a say.
@@ -155,9 +152,7 @@ class RequestCheck:
         token = path.split("/", 2)[1] if path.startswith("/") else ""
         # In constant time, so that nobody finds the token letter by letter.
         if not compare_digest(token.encode(), self.token.encode()):
-            return _error(
-                404, "there is no such page; use the whole address that the studio printed"
-            )
+            return _error(404, "there is no such page; use the whole address of the studio")
         length = headers.get("content-length", "0")
         if not length.isdecimal() or int(length) > MAX_REQUEST_BYTES:
             return _too_large()
@@ -210,13 +205,9 @@ def _error_response(error: LipsyncError) -> Response:
     data: dict[str, object] = {"error": str(error)}
     if isinstance(error, PackFaults):
         data["faults"] = [
-            {
-                "place": f"{fault.file}:{fault.line}:{fault.column}",
-                "code": fault.code,
-                "what": fault.what,
-                "hint": fault.hint,
-            }
-            for fault in error.faults
+            {"place": f"{one.file}:{one.line}:{one.column}", "code": one.code}
+            | {"what": one.what, "hint": one.hint}
+            for one in error.faults
         ]
     if isinstance(error, UnresolvedConflict):
         return AsciiResponse(data | {"conflict": error.conflict}, 409)

@@ -12,7 +12,13 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import LipsyncError
-from lipsync_lang.schedules.phoneme_changes import PhonemeChange, composed, spread, with_changes
+from lipsync_lang.schedules.phoneme_changes import (
+    PhonemeChange,
+    composed,
+    excerpt,
+    spread,
+    with_changes,
+)
 from lipsync_lang.schedules.schedule import MAX_EMPHASIS, SILENCE, Audio, Schedule, Word
 from lipsync_lang.text.phonology.emphasis import with_mark
 
@@ -92,10 +98,7 @@ class SpokenLine:
         high -= times[until] - times[at]
         if low <= high:  # phonemes below the minimum length keep it
             times[at : until + 1] += min(max(to, low), high) - times[at]
-        cuts = self.cuts(seconds)
-        self.whole = replace(self.whole, times=times)
-        self._cut = self.whole, seconds, cuts  # an edit does not change the parts
-        self.at = float(times[first])
+        self.retime(replace(self.whole, times=times))
 
     def relabel(self, span: tuple[int, int], labels: Sequence[str], seconds: float) -> None:
         """Replace the phonemes of a span by others, which share its time."""
@@ -121,7 +124,7 @@ class SpokenLine:
         no words, or the aligner finds other words.
         """
         first, stop = self._span(seconds)
-        line, cuts = self.whole, self.cuts(seconds)
+        line = self.whole
         low, high = first + span[0], min(first + span[1], stop)
         words = [one for one in line.words if one.first < high and low < one.stop]
         if line.audio is None:
@@ -144,9 +147,7 @@ class SpokenLine:
             )
         times = line.times.copy()
         times[low : high + 1] = _realigned(line, words, found, low, high)
-        self.whole = replace(line, times=times)
-        self._cut = self.whole, seconds, cuts
-        self.at = float(times[first])
+        self.retime(replace(line, times=times))
 
     def _emphasised(self, schedule: Schedule) -> tuple[Word, ...]:
         """Return the words of a schedule with the present emphasis."""
@@ -228,20 +229,6 @@ def _realigned(
     times = np.minimum(times, end - least[::-1])
     times[[0, -1]] = start, end
     return times
-
-
-def excerpt(line: Schedule, first: int, stop: int) -> Schedule:
-    """Return the phonemes from `first` until `stop` of a line, with their words."""
-    words = tuple(
-        replace(w, first=max(w.first, first) - first, stop=min(w.stop, stop) - first)
-        for w in line.words
-        if first <= w.first < stop
-    )
-    return replace(
-        line, labels=line.labels[first:stop], times=line.times[first : stop + 1],
-        words=words, stress=line.stress[first:stop], lines=line.lines[first:stop],
-        likely=line.likely[first:stop],
-    )  # fmt: skip
 
 
 def _cuts(schedule: Schedule, seconds: float) -> list[int]:

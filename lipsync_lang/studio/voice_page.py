@@ -7,7 +7,6 @@ from base64 import b64encode
 from collections.abc import Collection
 from contextlib import suppress
 
-import numpy as np
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import Response
@@ -18,7 +17,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.production.live.web_socket import BUSY, MAX_CLIENTS, Client, Session
-from lipsync_lang.schedules.schedule import SILENCE, Schedule
+from lipsync_lang.schedules.schedule import AT_REST
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
 from lipsync_lang.studio.module_bundle import bundle
@@ -59,9 +58,7 @@ def voice_app(
 
 def _face_document(performer: Performer, *, gestures: bool) -> dict[str, str]:
     """Return the face of a performer at rest as the data of a page, with or without gestures."""
-    rest = performer.perform(
-        Schedule((SILENCE,), np.array([0.0, 0.1])), gestures="all" if gestures else None
-    )
+    rest = performer.perform(AT_REST, gestures="all" if gestures else None)
     if performer.rigged(rest) is not rest:
         raise LipsyncError(
             f"the page shows heads whose shapes are poses, and {performer.character} drives a rig; "

@@ -11,6 +11,7 @@ import re
 import struct
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext, suppress
+from functools import cache
 from pathlib import Path, PurePosixPath
 from shutil import copyfileobj
 from typing import BinaryIO, NamedTuple
@@ -240,8 +241,8 @@ class StandingOutputs:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._home = str(folder)
-        self._listed: dict[str, dict[str, Member]] = {}
-        self._within: dict[str, bool] = {}
+        self._members = cache(lambda archive: members(folder / archive))
+        self._reached = cache(lambda parent: is_reached(folder / parent, folder))
 
     def stamp(self, path: str) -> tuple[int, int] | None:
         """Return size and time of change of a file, size and CRC of a member; None if absent."""
@@ -267,10 +268,7 @@ class StandingOutputs:
 
     def is_within(self, path: str) -> bool:
         """Return True if an output is in the folder, since records may come from elsewhere."""
-        parent = str(Path(path).parent)
-        if parent not in self._within:
-            self._within[parent] = is_reached(self.folder / parent, self.folder)
-        return self._within[parent]
+        return self._reached(Path(path).parent)
 
     def delete(self, paths: list[str]) -> None:
         """Delete outputs; absent ones do not matter."""
@@ -283,9 +281,4 @@ class StandingOutputs:
                 members_.setdefault(split[0], []).append(split[1])
         for archive, names in members_.items():
             rewrite(self.folder / archive, {}, names)
-            self._listed.pop(archive, None)
-
-    def _members(self, archive: str) -> dict[str, Member]:
-        if archive not in self._listed:
-            self._listed[archive] = members(self.folder / archive)
-        return self._listed[archive]
+        self._members.cache_clear()

@@ -35,9 +35,6 @@ MAX_WORST = 500
 MAX_COUNTED_LINES = 4096
 """Maximum number of lines that are counted at once, in arrays of a few megabytes."""
 
-LACKS_WORDS = 1.0
-"""Rank of a line whose recording lacks words; lines past a limit or in doubt have larger ones."""
-
 ZERO_SCALE = 10
 """Badness of a value of 1 if the limit is 0."""
 
@@ -171,7 +168,7 @@ class BuildTally:
         ranked = np.concatenate(ranks)
         worst = ranked[np.lexsort(ranked.T[::-1])[::-1][:most]]
         self._worst = [every[-int(number)] for number in worst[:, 3]]
-        self._past = int(np.count_nonzero(worst[:, 0] > LACKS_WORDS))
+        self._past = int(np.count_nonzero(worst[:, 0] > 1))  # not for lacking words alone
 
     def _add(self, lines: Sequence[CountedLine]) -> tuple[Floats, Floats, Floats]:
         """Count (L,) lines of a pair with the same figures; return their order, (L,) each.
@@ -216,7 +213,7 @@ class BuildTally:
         unsure = ~failed & (doubt > 1 - DOUBTFUL)
         lacking = np.array([one.lacking for one in lines])
         self.lacking += int(lacking.sum())
-        rank = np.select([failed, unsure, beyond, lacking], [4.0, 3.0, 2.0, LACKS_WORDS])
+        rank = np.select([failed, unsure, beyond, lacking], [4.0, 3.0, 2.0, 1.0])
         return rank, np.where(unsure, doubt, most), np.where(unsure, most, doubt)
 
     @cached_property

@@ -194,14 +194,11 @@ class _Planner:
     ) -> PlannedStep:
         inputs = line_inputs(line, self.folder, self.needs[line.language, line.character].performer)
         text = as_json(inputs)
-        reasons: list[str] = []
+        reasons = ["it is new"]
         kept: list[str] = []
         unknown: list[str] = []
-        if record is None:
-            reasons.append("it is new")
-        else:
-            reasons += self._inputs_changed(inputs, text, record)
-            reasons += changed
+        if record is not None:
+            reasons = [*self._inputs_changed(inputs, text, record), *changed]
             if record.verdict == "failed":
                 reasons.append("it failed in the last build")
         if self.force:

@@ -19,8 +19,6 @@ from tempfile import mkdtemp
 from typing import TYPE_CHECKING, Any, Self
 from zlib import crc32
 
-import numpy as np
-
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.animations.rates import USUAL_FPS
 from lipsync_lang.base.errors import LipsyncError, OutputError, shortlist
@@ -52,7 +50,7 @@ from lipsync_lang.production.builds.timing_formats import (
     plain_formats,
 )
 from lipsync_lang.resolver.cache import compiler, folder
-from lipsync_lang.schedules.schedule import SILENCE, Schedule
+from lipsync_lang.schedules.schedule import AT_REST
 from lipsync_lang.sound.speech.needed_extras import engines_of, missing_for, missing_words
 from lipsync_lang.text.phonology.manner import Manner
 
@@ -62,9 +60,6 @@ if TYPE_CHECKING:
     from lipsync_lang.sound.speech.hearing.sphinx.folder import Models
 
 NONE_KNOWN: Mapping[str, Manner] = {}
-
-STILL_SCHEDULE = Schedule((SILENCE,), np.array((0.0, 0.1)))
-"""Schedule without a phoneme."""
 
 SHOWN_CHARACTERS = 8
 """Maximum number of characters that a fault names."""
@@ -291,9 +286,7 @@ class ProjectBuild:
                 continue
             # One line of each character: its face decides what a format can hold, not the text.
             tried.add(line.character)
-            at_rest = pair.performer.rigged(
-                pair.performer.perform(STILL_SCHEDULE, self.settings.fps)
-            )
+            at_rest = pair.performer.rigged(pair.performer.perform(AT_REST, self.settings.fps))
             for number, (name, path) in enumerate(line.outputs):
                 try:
                     if self.settings.face_once and name == GLB and split_archive(path):

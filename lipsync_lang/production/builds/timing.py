@@ -209,12 +209,10 @@ def _from_timings(
         return found
     from lipsync_lang.sound.speech.filling import with_phonemes
 
-    if isinstance(found, TimedWords):
-        cache = opened()
-        made = cache.load(line) if cache is not None else None
-        if made is None:
-            made = with_phonemes(performer.speaker, found, audio=audio)
-            if cache is not None:
-                cache.save(line, made)
-        return made
-    return with_phonemes(performer.speaker, found, audio=audio)
+    cache = opened() if isinstance(found, TimedWords) else None
+    made = None if cache is None else cache.load(line)
+    if made is None:
+        made = with_phonemes(performer.speaker, found, audio=audio)
+        if cache is not None:
+            cache.save(line, made)
+    return made

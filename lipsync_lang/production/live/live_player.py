@@ -7,7 +7,7 @@ sentence, in the order of their arrival.
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from math import floor, inf
 from queue import Empty, SimpleQueue
 from threading import Lock, Thread
@@ -138,20 +138,22 @@ class LivePlayer:
         """Bring the mouth to rest from its current pose."""
         self.stream = None
         start = self.last
-        steps = max(1, round(EASE_SECONDS * self.fps)) if start.weights.any() else 0
-        for step in range(1, steps + 1):
-            share = 1 - step / steps
+        for step, share in self._fading() if start.weights.any() else ():
             self._send(LiveFrame(start.seconds + step / self.fps, start.weights * share))
             self.wait(1 / self.fps)
+
+    def _fading(self) -> Iterator[tuple[int, float]]:
+        """Yield the frames in which a mouth comes to rest: their numbers, and shares of it."""
+        steps = max(1, round(EASE_SECONDS * self.fps))
+        return ((step, 1 - step / steps) for step in range(1, steps + 1))
 
     def end(self) -> None:
         """Bring mouth and gestures to rest."""
         self.rest()
         if self.gestures is None:
             return
-        steps, amounts = max(1, round(EASE_SECONDS * self.fps)), self.gestures.amounts
-        for step in range(1, steps + 1):
-            share = 1 - step / steps
+        amounts = self.gestures.amounts
+        for _, share in self._fading():
             self.last = self.last._replace(seconds=self.last.seconds + 1 / self.fps)
             self._give(np.concatenate((self.last.weights, amounts * share)))
             self.wait(1 / self.fps)

@@ -128,11 +128,10 @@ class PacketOutlet:
             self._send(packet)
         except OSError as error:
             refused = isinstance(error, ConnectionRefusedError)
-            if self.failed is None and refused:
-                self.complain(f"{where} does not listen; start the engine, frames are sent on")
-            elif self.failed is None:
-                why = error.strerror or error
-                self.complain(f"{where} gets no frames ({why}); check the network")
+            if self.failed is None:
+                what = f"gets no frames ({error.strerror or error}); check the network"
+                unheard = "does not listen; start the engine, frames are sent on"
+                self.complain(f"{where} {unheard if refused else what}")
             self.failed = frame.seconds
             if refused:  # the error is of an earlier packet, and this one was not sent
                 with suppress(OSError):

@@ -4,7 +4,6 @@ import shutil
 import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import reduce
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -13,9 +12,6 @@ from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.base.extras import install_line
 
 SOUND_HEAD_BYTES = 512
-
-ID3_HEAD_BYTES = 10
-"""Head of a tag before the sound; its last four bytes have seven bits each of the tag's length."""
 
 MAX_DECODED_SECONDS = 7_201
 """Longest decoded sound: a second more than the longest recording, which is refused by its own."""
@@ -52,13 +48,17 @@ COMPRESSIONS = (
 )
 
 
+def tag_bytes(head: bytes) -> int:
+    """Return the length of the ID3 tag at the start of a file; its size has seven bits a byte."""
+    size = sum(byte << shift for byte, shift in zip(head[6:10], (21, 14, 7, 0), strict=False))
+    return size + 10 if head.startswith(b"ID3") else 0
+
+
 def compression(path: Path) -> Compression | None:
     """Return the format of a file, if it is one that ffmpeg decodes; an ID3 tag is passed over."""
     with path.open("rb") as stream:
         head = stream.read(SOUND_HEAD_BYTES)
-        if head.startswith(b"ID3") and len(head) > ID3_HEAD_BYTES:
-            size = reduce(lambda high, low: high << 7 | low & 0x7F, head[6:ID3_HEAD_BYTES], 0)
-            stream.seek(ID3_HEAD_BYTES + size)
+        if stream.seek(tag_bytes(head)):
             head = stream.read(SOUND_HEAD_BYTES)
     return next((one for one in COMPRESSIONS if head[one.at :].startswith(one.mark)), None)
 

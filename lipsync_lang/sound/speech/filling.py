@@ -16,6 +16,7 @@ import numpy as np
 
 from lipsync_lang.base.errors import SpeechError, shortlist
 from lipsync_lang.packs.finding import Paths
+from lipsync_lang.schedules.phoneme_changes import excerpt
 from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, SNAP_SECONDS, Audio, Schedule, Word
 from lipsync_lang.schedules.timed_words import TimedWord, TimedWords
 from lipsync_lang.schedules.timing_readers import Timings
@@ -163,15 +164,7 @@ def _letters(text: str) -> str:
 
 def _part(schedule: Schedule, words: Sequence[Word]) -> Schedule:
     """Return the phonemes of successive words, with their pauses."""
-    first, stop = words[0].first, words[-1].stop
-    return replace(
-        schedule,
-        labels=schedule.labels[first:stop],
-        times=schedule.times[first : stop + 1],
-        stress=schedule.stress[first:stop],
-        words=tuple(replace(w, first=w.first - first, stop=w.stop - first) for w in words),
-        audio=None,
-    )
+    return replace(excerpt(schedule, words[0].first, words[-1].stop), audio=None)
 
 
 @dataclass

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.schedules.schedule import Audio, Schedule
-from lipsync_lang.sound.speech.decoding import SOUND_HEAD_BYTES, compression, decoded
+from lipsync_lang.sound.speech.decoding import SOUND_HEAD_BYTES, compression, decoded, tag_bytes
 
 MAX_CHUNKS = 1000
 """Chunks of a WAV file to skip."""
@@ -297,10 +297,7 @@ def _stated(path: str | Path, sound: Any) -> int:
 def _mp3_frames(path: str | Path) -> tuple[int, bool]:
     """Return the byte where the frames of an MP3 start, and whether the first states a length."""
     with Path(path).open("rb") as file:
-        head = file.read(10)
-        # The size of a tag has seven bits in a byte.
-        tag = sum(byte << shift for byte, shift in zip(head[6:], (21, 14, 7, 0), strict=False))
-        start = file.seek(tag + 10 if head.startswith(b"ID3") else 0)
+        start = file.seek(tag_bytes(file.read(SOUND_HEAD_BYTES)))
         frame = file.read(2048)
     return start, any(mark in frame for mark in (b"Xing", b"Info", b"VBRI"))
 

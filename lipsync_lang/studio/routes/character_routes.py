@@ -24,7 +24,7 @@ from lipsync_lang.pipeline.constrain import constrain
 from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.resolver.pose_arrays import SOFTNESS_SECONDS
 from lipsync_lang.resolver.settings import RANGES
-from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.schedule import AT_REST, Schedule
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
 from lipsync_lang.studio.routes.requests import StudioRequest, listed, sent_file
@@ -201,8 +201,7 @@ def _better_rig(workshop: Workshop, sent: Model) -> Match | None:
 def _channels(performer: Performer, path: Path) -> tuple[list[str], list[str]]:
     """Return the channels of a character, and those that a drawable model lacks."""
     sent = read_model(path, bones=performer.compiled.rig is not None)
-    rest = Schedule((performer.compiled.phonemes[0],), np.array([0, 0.1]))
-    animation = replace(performer.rigged(performer.perform(rest)), model=path)
+    animation = replace(performer.rigged(performer.perform(AT_REST)), model=path)
     _draw(animation)
     found = find(animation.columns, sent)
     names = [channel.name for channel in animation.columns]

@@ -94,17 +94,16 @@ def save(workshop: Workshop, request: StudioRequest) -> Json:
     try:
         written = workshop.save(choices)
     except SaveConflict as error:
-        rows = []
-        for one in error.conflicts:
-            file, where = workshop.shown(one.path), ": ".join(map(str, one.loc))
-            rows.append(
-                {
-                    "key": json.dumps([file, *one.loc]),  # names the entry in the next request
-                    "what": f"{file}: {where or 'the whole file'}",
-                    "mine": _words(one.mine),
-                    "theirs": _words(one.theirs),
-                }
-            )
+        rows = [
+            {
+                "key": json.dumps([file, *one.loc]),  # names the entry in the next request
+                "what": f"{file}: {': '.join(map(str, one.loc)) or 'the whole file'}",
+                "mine": _words(one.mine),
+                "theirs": _words(one.theirs),
+            }
+            for one in error.conflicts
+            for file in [workshop.shown(one.path)]
+        ]
         raise UnresolvedConflict(str(error), rows) from None
     return {"saved": [workshop.shown(path) for path in written], "state": workshop.state()}
 

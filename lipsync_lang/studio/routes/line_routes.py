@@ -8,8 +8,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import numpy as np
-
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.json_object import Json
@@ -18,7 +16,7 @@ from lipsync_lang.performing.label_reader import label_remarks
 from lipsync_lang.performing.performer import Performer, performer_of
 from lipsync_lang.reports.quality.check_animation import check
 from lipsync_lang.resolver.compile import compile_pair
-from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.schedule import AT_REST
 from lipsync_lang.schedules.timing_file import unnamed_encoding
 from lipsync_lang.schedules.timing_readers import read_timings
 from lipsync_lang.sound.speech.sound import read_audio
@@ -236,9 +234,7 @@ def beside(workshop: Workshop, request: StudioRequest) -> PackedResponse:
 
 def _rest(performer: Performer) -> Animation:
     """Perform rest, with the columns of gestures."""
-    # the first phoneme is silence
-    schedule = Schedule((performer.compiled.phonemes[0],), np.array([0, 0.1]))
-    return performer.perform(schedule, gestures=ALL)
+    return performer.perform(AT_REST, gestures=ALL)
 
 
 def _faced(performer: Performer, animation: Animation, pack: ArrayPack) -> PackedResponse:

@@ -12,9 +12,9 @@ from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.pipeline.curve import bspline
+from lipsync_lang.schedules.phoneme_changes import excerpt
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.studio.routes.requests import StudioRequest, whole_number
-from lipsync_lang.studio.spoken_line import excerpt
 from lipsync_lang.studio.workshop import Workshop
 
 POINTS_A_SOUND = 3

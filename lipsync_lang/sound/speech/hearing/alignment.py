@@ -206,11 +206,11 @@ class NamedAligner(NamedTuple):
         if isinstance(self.aligner, BatchAligner):
             yield from self.aligner.align_many(pairs, speaker, self.model)
             return
-        for sound, text in pairs:
-            try:
-                yield self.aligner.align(sound(), text, speaker, self.model)
-            except SpeechError as error:
-                yield error
+
+        def align(one: tuple[Callable[[], Audio], str]) -> Schedule:
+            return self.aligner.align(one[0](), one[1], speaker, self.model)
+
+        yield from map(tried(align), pairs)
 
 
 def aligners(speaker: Speaker, named: str | None) -> list[NamedAligner]:

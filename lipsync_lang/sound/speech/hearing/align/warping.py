@@ -35,7 +35,7 @@ from lipsync_lang.sound.speech.hearing.align.spectrum import (
     speech_frames,
 )
 from lipsync_lang.sound.speech.hearing.sphinx.scheduling import logistic
-from lipsync_lang.sound.speech.results import exhaust, next_result, raised, tried
+from lipsync_lang.sound.speech.results import each, exhaust, next_result, raised, tried
 
 if TYPE_CHECKING:
     from lipsync_lang.sound.speech.speaking.speaker import Speaker
@@ -351,26 +351,20 @@ class Warp(BatchAligner):
     ) -> Iterator[Schedule | SpeechError]:
         """Align as `align` does, with all texts spoken by one process."""
         if model is not None:
-            error = SpeechError(
-                f"warping takes no model, but '{model}' is given: leave it out, or choose another "
-                "aligner"
-            )
+            what = f"warping takes no model, but '{model}' is given"
+            error = SpeechError(f"{what}: leave it out, or choose another aligner")
             yield from (error for _ in recordings)
             return
         ours, voices = tee(recordings)
         said = speaker.speak_many(text for _, text in voices)
         for sound, _ in ours:
-            try:
-                spoken = raised(next_result(said))
-                yield _warped(sound(), spoken)
-            except SpeechError as error:
-                yield error
+            yield from each([next_result(said)], partial(_warped, sound))
         exhaust(said)
 
 
-def _warped(audio: Audio, said: Schedule) -> Schedule:
+def _warped(sound: Callable[[], Audio], said: Schedule) -> Schedule:
     """Warp the voice to the recording, or to the part of it with the text."""
-    voice = SpokenVoice.of(said)
+    audio, voice = sound(), SpokenVoice.of(said)
     (power,) = mel_power(samples_of(audio))
     best = _surest(power, voice, audio.seconds)
     # The labels differ from the voice's in their pauses alone.
