@@ -1,7 +1,7 @@
 """Words that the aligner leaves out: spoken ones, and those that the sound really lacks.
 
     python benchmarks/left_out.py TEXTS [--only LANGUAGE ...] [--first N] [--lines N]
-        [--aligner NAME] [--json FILE]
+        [--aligner NAME] [--list] [--json FILE]
 
 TEXTS is a table with a column for each language, or a folder of texts, both named as `languages.py`
 reads them. Each pack's own voice speaks the lines of its language. A line is aligned as it is, with
@@ -12,6 +12,9 @@ left out   words of right texts that are left out, of all
 doubted    right lines with a confidence below a half, of all
 cut, said  words cut out of the sound, and words that were never said, that are left out, of all
 exchanged  lines with two words exchanged that are in doubt, of all
+
+`--list` writes rows in place of the table, to compare two versions: language, number of the line,
+words of its own text that are left out, and the text. Lines with errors are not tried then.
 """
 
 import argparse
@@ -20,6 +23,7 @@ import random
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -126,19 +130,37 @@ def measured(
     return found, tried, told
 
 
+def listed(speaker: Speaker, lines: Sequence[str], first: int, aligner: str | None) -> None:
+    """Print a row for each line whose own text loses words."""
+    for number, line in enumerate(lines, first):
+        try:
+            known = [*islice(trials(speaker, line, random.Random(1)), 1)] if line.strip() else []
+        except LipsyncError:
+            continue
+        pairs = [(one.audio, one.text) for one in known]
+        for one, found in zip(known, align_many(speaker, pairs, aligner=aligner), strict=True):
+            lost = found.left_out if isinstance(found, Schedule) else ("the whole line",)
+            if lost:
+                print(
+                    speaker.manner.language, number, ", ".join(lost), one.text, sep="\t", flush=True
+                )
+
+
 def main() -> int:
-    """Print the table."""
+    """Print the table, or a list."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("texts", type=Path)
     parser.add_argument("--only", nargs="+", metavar="LANGUAGE")
     parser.add_argument("--first", type=int, default=1, help="first line that is taken [1]")
     parser.add_argument("--lines", type=int, default=12, help="lines of each language [12]")
     parser.add_argument("--aligner")
+    parser.add_argument("--list", action="store_true", help="print the lines that lose words")
     json_figures.add_option(parser)
     options = parser.parse_args()
     library, kinds = Library(), ("words", "right", "cut", "never said", "exchanged")
     names = ("left out", "doubted", "cut", "never said", "exchanged")
-    print(f"{'':16}" + "".join(f"{name:>12}" for name in names))
+    if not options.list:
+        print(f"{'':16}" + "".join(f"{name:>12}" for name in names))
     counted: dict[str, dict[str, float]] = {}
     all_found: Counter[str] = Counter()
     all_tried: Counter[str] = Counter()
@@ -150,6 +172,9 @@ def main() -> int:
         if speaker is None or not speaker.manner.voice:
             continue
         some = lines[options.first - 1 :][: options.lines]
+        if options.list:
+            listed(speaker, some, options.first, options.aligner)
+            continue
         found, tried, told = measured(
             speaker, [one for one in some if one.strip()], options.aligner
         )
@@ -162,6 +187,8 @@ def main() -> int:
         }
         all_found += found
         all_tried += tried
+    if options.list:
+        return 0
     print(f"{'all':16}" + "".join(f"{f'{all_found[k]}/{all_tried[k]}':>12}" for k in kinds))
     json_figures.write_figures(options.json, counted)
     return 0

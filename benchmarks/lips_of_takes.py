@@ -1,0 +1,145 @@
+"""Draw the lips of one filmed sentence beside those of its text, of its words, and of its sound.
+
+    python benchmarks/lips_of_takes.py FOLDER CLIP OUT.png [-c HEAD] [-l english] [--delay 0.08]
+        [--whisper MODEL] [--json FILE]
+
+FOLDER is that of `mouths.py`. Four takes of CLIP are performed on HEAD and measured on its mesh: by
+the text, aligned with the sound; by the words that Whisper hears; by the sound of the whole file
+(the recogniser `sound`); and live, with a delay. Whisper is left out, with a sentence, where it or
+its model is missing. Each take is shown with Pearson's r to the film over the frames of speech.
+The lead of the filmed lips over their sound is that of all clips of the folder, as in `mouths.py`.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import json_figures
+import numpy as np
+from listening import listened, sound_of
+from matplotlib.figure import Figure
+from mouths import EVERY, HEADS, JUDGED, Clips, Head, filmed, lead
+from PIL import Image
+
+import lipsync_lang as ll
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.sound.speech.sound import read_audio
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+FPS = 100
+
+FILM, TAKES = "#222222", ("#1b6ca8", "#2a9d5c", "#d9822b", "#b5308a")
+"""Colours of the film, and of the takes in their order."""
+
+DASHES = ("-", (0, (4, 4)), "-", "-")
+"""Lines of the takes: where Whisper hears the text, both curves are one."""
+
+PANELS = ("distance of the lips", "width of the mouth, less the usual one")
+
+
+def takes(
+    head: Head, text: str, audio: ll.Audio, asked: argparse.Namespace
+) -> dict[str, Animation]:
+    """Return the animation of each take by its name."""
+    performer = head.performer
+
+    def live() -> Animation:
+        times, weights = listened(performer, sound_of(audio), asked.delay, FPS)
+        return Animation(times, performer.poses, weights, FPS, ll.Schedule(("_",), [0, 1]))
+
+    def heard(recogniser: str) -> Animation:
+        return performer.perform(ll.recognise(audio, asked.language, recogniser=recogniser), FPS)
+
+    whisper = f"whisper:{asked.whisper}" if asked.whisper else "whisper"
+    makers: dict[str, Callable[[], Animation]] = {
+        "text": lambda: performer.perform(ll.align(audio, text, asked.language), FPS),
+        "Whisper's words": lambda: heard(whisper),
+        "whole file": lambda: heard("sound"),
+        f"live, {asked.delay * 1000:.0f} ms": live,
+    }
+    found = {}
+    for name, make in makers.items():
+        try:
+            found[name] = make()
+        except ll.LipsyncError as error:
+            print(f"{name} is left out: {str(error).splitlines()[0]}", file=sys.stderr)
+    return found
+
+
+def drawn(
+    film: np.ndarray, lips: dict[str, tuple[np.ndarray, np.ndarray]], schedule: ll.Schedule
+) -> tuple[Figure, dict[str, list[float]]]:
+    """Draw the film, (T, 3), and the takes; return the figure, and both r of each take."""
+    figure = Figure((10, 6.2), layout="constrained")
+    panels = figure.subplots(2, sharex=True)
+    times = film[:, 0]
+    inside = (times >= schedule.times[1]) & (times <= schedule.times[-2])
+    inside &= np.isfinite(film).all(axis=1)
+    figures: dict[str, list[float]] = {name: [] for name in lips}
+    looks = [*zip(TAKES, DASHES, strict=True)]
+    for number, (panel, title) in enumerate(zip(panels, PANELS, strict=True)):
+        real = film[:, 1 + number]
+        panel.plot(times, real, color=FILM, lw=2.6, label="film")
+        for (name, (at, curves)), (colour, dash) in zip(lips.items(), looks, strict=False):
+            mine = np.interp(times[inside], at, curves[number])
+            r = float(np.corrcoef(mine, real[inside])[0, 1])
+            figures[name].append(r)
+            label = f"{name}: r {r:.2f}"
+            panel.plot(at, curves[number], color=colour, lw=1.6, ls=dash, label=label)
+        panel.set_title(f"{title}, in widths of the mouth", loc="left", fontsize=10)
+        panel.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=9)
+        panel.spines[["top", "right"]].set_visible(False)
+        panel.set_xlim(schedule.times[1] - 0.2, schedule.times[-2] + 0.2)
+        for word in schedule.words:
+            panel.axvline(word.start, color="#dddddd", lw=0.8, zorder=0)
+    lowest = panels[1].get_ylim()[0]
+    for word in schedule.words:
+        middle = (word.start + word.end) / 2
+        panels[1].text(middle, lowest, word.text, ha="center", va="bottom", fontsize=9)
+    panels[1].set_xlabel("seconds")
+    return figure, figures
+
+
+def main() -> None:
+    """Draw the picture, and print r of each take."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("clip")
+    parser.add_argument("out", type=Path)
+    parser.add_argument("-c", "--character", default=HEADS[0], metavar="HEAD")
+    parser.add_argument("-l", "--language", default="english")
+    parser.add_argument("--delay", type=float, default=0.08, help="of the live take [0.08]")
+    parser.add_argument(
+        "--whisper", metavar="MODEL", help="Whisper's model; the usual one unless stated"
+    )
+    json_figures.add_option(parser)
+    asked = parser.parse_args()
+    films = filmed(asked.folder)
+    if asked.clip not in films:
+        sys.exit(
+            f"{asked.folder} has no clip '{asked.clip}'; it has {', '.join(sorted(films)[:8])} ..."
+        )
+    head = Head.of(asked.character, asked.language)
+    some = [films[name] for name in sorted(films)[::EVERY][:JUDGED]]
+    schedules = ll.align([one[1] for one in some], [one[0] for one in some], asked.language)
+    clips: Clips = [(one, film[2]) for one, film in zip(schedules, some, strict=True)]
+    text, sound, film = films[asked.clip]
+    audio = read_audio(sound)
+    film = np.add(film, (lead(head, clips), 0.0, 0.0))
+    made = takes(head, text, audio, asked)
+    lips = {name: (one.times, head.lips(one)) for name, one in made.items()}
+    figure, figures = drawn(film, lips, made["text"].schedule)
+    figure.savefig(asked.out, dpi=100)
+    # few colours make a small file
+    page = Image.open(asked.out).convert("RGB")
+    page.quantize(256, dither=Image.Dither.NONE).save(asked.out, optimize=True)
+    for name, (aperture, width) in figures.items():
+        print(f"{name:18} aperture r {aperture:.2f}, width r {width:.2f}")
+    json_figures.write_figures(asked.json, figures)
+
+
+if __name__ == "__main__":
+    main()
