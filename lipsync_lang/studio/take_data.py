@@ -86,17 +86,18 @@ def take_data(
 
 def curves_data(animation: Animation, pack: ArrayPack) -> Json:
     """Return the names of an animation's columns, their ranges, and their scaled values."""
-    rows = []
-    for curve in animation.weights.T:
-        low, high = min(0.0, float(curve.min())), max(1.0, float(curve.max()))
-        rows.append(
-            {
-                "low": low,
-                "high": high,
-                "moves": bool(np.ptp(curve) > VISIBLE),
-                "values": pack.add((curve - low) / (high - low), "u2", WEIGHT_STEPS),
-            }
-        )
+    ranges = (
+        (min(0.0, float(one.min())), max(1.0, float(one.max()))) for one in animation.weights.T
+    )
+    rows = [
+        {
+            "low": low,
+            "high": high,
+            "moves": bool(np.ptp(curve) > VISIBLE),
+            "values": pack.add((curve - low) / (high - low), "u2", WEIGHT_STEPS),
+        }
+        for curve, (low, high) in zip(animation.weights.T, ranges, strict=True)
+    ]
     return {"poses": list(animation.poses), "curves": rows}
 
 
@@ -276,20 +277,18 @@ def gesture_data(animation: Animation) -> Json | None:
     whole = settings["whole"] or part
     hands = placed_by_hand(performer, whole, settings["line"], settings["placed"])
     places = {(one.number, one.fact): n for n, one in enumerate(hands)}
-    rows = []
-    for one in laid_gestures(said.performer, said.settings, animation)[1]:
-        placed = one.gesture
-        by_hand = placed.trigger == BY_HAND
-        rows.append(
-            {
-                "name": own.shapes[placed.number].name,
-                "at": round(placed.fact, 5),
-                "begin": round(float(animation.times[one.first]), 5),
-                "scale": round(placed.height / scales[placed.number], 3),
-                "why": told_gesture(own, one, animation),
-                "hand": places[placed.number, placed.fact] if by_hand else -1,
-            }
-        )
+    laid = laid_gestures(said.performer, said.settings, animation)[1]
+    rows = [
+        {
+            "name": own.shapes[placed.number].name,
+            "at": round(placed.fact, 5),
+            "begin": round(float(animation.times[one.first]), 5),
+            "scale": round(placed.height / scales[placed.number], 3),
+            "why": told_gesture(own, one, animation),
+            "hand": places[placed.number, placed.fact] if placed.trigger == BY_HAND else -1,
+        }
+        for one, placed in ((one, one.gesture) for one in laid)
+    ]
     kinds = [
         {"name": one.name, "lead": one.lead, "seconds": one.seconds, "room": one.room}
         for one, scale in zip(own.shapes, scales, strict=True)

@@ -154,20 +154,16 @@ def _opened(path: Path) -> Iterator[tuple[ZipFile, BinaryIO]]:
     mend = "move it away; the build makes a new one"
     try:
         with path.open("rb") as stream, ZipFile(stream) as archive:
-            _check_apart(archive)
+            found = sorted((one.header_offset, one.compress_size) for one in archive.infolist())
+            ends = (at + ZIP_HEAD.size + size for at, size in found)
+            # A small forged archive whose members share bytes would be copied into a huge one.
+            if any(end > after for end, (after, _) in zip(ends, found[1:], strict=False)):
+                raise BadZipFile("its members overlap")  # noqa: TRY301 told below
             yield archive, stream
     except OSError as error:
         raise OutputError(f"{path}: cannot be read: {error.strerror or error}") from None
     except (BadZipFile, NotImplementedError, ValueError, struct.error, EOFError) as error:
         raise OutputError(f"{path}: is a damaged archive ({error}); {mend}") from None
-
-
-def _check_apart(archive: ZipFile) -> None:
-    """Refuse members that share bytes: a small forged archive would be copied into a huge one."""
-    found = sorted((one.header_offset, one.compress_size) for one in archive.infolist())
-    ends = (at + ZIP_HEAD.size + size for at, size in found)
-    if any(end > after for end, (after, _) in zip(ends, found[1:], strict=False)):
-        raise BadZipFile("its members overlap")
 
 
 def _write(

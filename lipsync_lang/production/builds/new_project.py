@@ -13,7 +13,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from lipsync_lang.base.errors import MAX_KNOWN, LipsyncError, shortlist
+from lipsync_lang.base.errors import MAX_KNOWN, LipsyncError, count, shortlist
 from lipsync_lang.base.files.names import folded_name
 from lipsync_lang.packs.automatic import coded_language
 from lipsync_lang.packs.finding import Finder, Kind
@@ -305,8 +305,7 @@ def _within(stems: Collection[str], cells: Cells, at: int) -> Iterator[IdColumn]
         inner = max((name for name in names if name in stem), key=len, default="")
         if len(inner) > 1:
             around[stem[: stem.index(inner)], stem[stem.index(inner) + len(inner) :]] += 1
-    for (before, after), _ in around.most_common(1):
-        yield IdColumn(at, before, after)
+    return (IdColumn(at, *both) for both, _ in around.most_common(1))
 
 
 def _folders(
@@ -416,6 +415,5 @@ def _matches(
     told = [f"{len(matching):,} of {len(found):,} recordings have a line"]
     for what, of, some in (("recording", "line", loose), ("line", "recording", silent)):
         if some:
-            many = f"{len(some):,} {what}{'s' * (len(some) > 1)}"
-            told.append(f"{many} without a {of}: {shortlist(some, SHOWN_FILES)}")
+            told.append(f"{count(len(some), what)} without a {of}: {shortlist(some, SHOWN_FILES)}")
     return tuple(told)

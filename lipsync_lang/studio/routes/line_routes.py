@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Mapping
 from copy import copy
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 from math import isfinite
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -218,17 +218,17 @@ def face(workshop: Workshop, _: StudioRequest) -> PackedResponse:
     """Return the model of the character, for `gl_face.js`, and a take of rest."""
     if not workshop.language:
         return PackedResponse({"face": None}, ArrayPack())
-    performer, pack = workshop.performer, ArrayPack()
-    return _faced(performer, _rest(performer), pack)
+    return _faced(workshop.performer, _rest(workshop.performer))
 
 
 def beside(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Return the take of the line on another character, and its model if `face` asks for it."""
-    character, pack = request.text("character"), ArrayPack()
+    character = request.text("character")
     performer = other_performer(workshop, character)
     animation = performed_beside(workshop, character) or _rest(performer)
     if request.body.get("face"):
-        return _faced(performer, animation, pack)
+        return _faced(performer, animation)
+    pack = ArrayPack()
     return PackedResponse({"take": _take(animation, performer, pack, "")}, pack)
 
 
@@ -237,7 +237,8 @@ def _rest(performer: Performer) -> Animation:
     return performer.perform(AT_REST, gestures=ALL)
 
 
-def _faced(performer: Performer, animation: Animation, pack: ArrayPack) -> PackedResponse:
+def _faced(performer: Performer, animation: Animation) -> PackedResponse:
+    pack = ArrayPack()
     shown = face_data(performer.rigged(animation), pack)
     return PackedResponse({"face": shown, "take": _take(animation, performer, pack, "")}, pack)
 
@@ -292,11 +293,11 @@ def performed_beside(workshop: Workshop, character: str) -> Animation | None:
     # A copy: the settings of the open line must not lose what the other face lacks.
     compiled, aside = performer.compiled, copy(workshop)
     moves = {shape.name for shape in performer.gesture_set.shapes}
-    aside.settings = LineSettings(
-        stated.fps,
+    aside.settings = replace(
+        stated,
+        line=None,
         styles=_among(stated.styles, compiled.style_names),
         dials=_among(stated.dials, compiled.regions),
-        intensity=stated.intensity,
         bends=_among(stated.bends, compiled.poses),
         placed=[one for one in stated.placed if one["gesture"] in moves],
     )
