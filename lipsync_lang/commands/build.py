@@ -342,7 +342,7 @@ COUNTED = {
     "doubted": "line doubtful: past a recommended limit of the face, or unlike the recording; "
     "`limits` in the project make them fail the build",
 }
-"""What is told of each count after its number; the first word is counted."""
+"""Words after the number of each count; the first word is counted."""
 
 
 def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
