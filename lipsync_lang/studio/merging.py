@@ -60,9 +60,7 @@ def differences(before: Data, after: Data, depth: int = 2) -> list[Change]:
         inner = [{} if value in (ABSENT, None) else value for value in (old, new)]
         mappings = any(inner) and all(isinstance(value, dict) for value in inner)
         if old != new and depth > 1 and mappings and new is not ABSENT:
-            found += [
-                ((key, *loc), value) for loc, value in differences(inner[0], inner[1], depth - 1)
-            ]
+            found += [((key, *loc), one) for loc, one in differences(inner[0], inner[1], depth - 1)]
         elif old != new:
             found.append(((key,), new))
     return found

@@ -186,9 +186,9 @@ class PairNeeds:
         """Digests of all that every line of the pair depends on."""
         performer, compiled = self.performer, self.performer.compiled
         manner = {name: value for name, value in self._manner.items() if name != "words"}
-        own = {f.name: getattr(compiled, f.name) for f in fields(compiled)}
+        stated = {f.name: getattr(compiled, f.name) for f in fields(compiled)}
         rules = {f.name: getattr(compiled.tables, f.name) for f in fields(compiled.tables)}
-        face = {name: value for name, value in own.items() if name not in OF_LINES}
+        face = {name: value for name, value in stated.items() if name not in OF_LINES}
         # Gestures and drafts of styles state the places of their packs, which no output shows.
         face["style_drafts"] = [
             (name, {key: value for key, value in draft.items() if key != "place"})
@@ -200,22 +200,15 @@ class PairNeeds:
         held = [(one.floor, one.ceiling) for one in compiled.tables.contacts]
         said = performer.motion, performer.shades, performer.unknown
         known = {name: sorted(one.table) for name, one in performer.labels.notations.items()}
-        chosen = self.settings
+        own = self.settings
+        chosen = own.fps, own.limits, own.offset, own.face_once, own.gestures, own.idle
+        # Nothing without formats, so that lines of older builds stay up to date. The usual rate, if
+        # it is stated, shows in files that count frames of a program.
+        further: list[object] = [one for one in (own.timing_formats,) if one]
+        further += ["frames"] if own.frame_rate == USUAL_FPS else []
         return {
             "program": digest(__version__),
-            "settings": digest(
-                *said,
-                chosen.fps,
-                chosen.limits,
-                chosen.offset,
-                chosen.face_once,
-                chosen.gestures,
-                chosen.idle,
-                # Nothing without formats, so that lines of older builds stay up to date.
-                *filter(None, [chosen.timing_formats]),
-                # The usual rate, if it is stated, shows in files that count frames of a program.
-                *(["frames"] if chosen.frame_rate == USUAL_FPS else []),
-            ),
+            "settings": digest(*said, *chosen, *further),
             "face": digest(face, tables, held, manner["kinds"], compiled.nearest),
             "model": digest(self.model_digest),
             "voice": digest(manner, self.settings.tts),

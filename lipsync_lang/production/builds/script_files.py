@@ -191,11 +191,8 @@ def _table_rows(
     name = known_column(source, table.head, columns.id, NAME_COLUMNS, taken)
     speaker = known_column(source, table.head, columns.speaker, SPEAKER_COLUMNS, [*taken, name])
     if name < 0:
-        raise lacking(
-            source,
-            table.head,
-            "has no column of ids for the file names; add one, or state `columns: {id: NAME}`",
-        )
+        what = "has no column of ids for the file names; add one, or state `columns: {id: NAME}`"
+        raise lacking(source, table.head, what)
     for number, row in table.rows:
         said: list[tuple[int, str]] = []
         for index, at in texts:
@@ -225,19 +222,17 @@ def _text_columns(
         else:
             alone = len(file.languages) == 1
             at = language_column(table.head, language.answers)
-            if at < 0 and alone:
-                at = text_column(table.head)
+            at = text_column(table.head) if at < 0 and alone else at
             if at < 0:
-                which = f"which column is the text in {language.word}?"
-                what = f"{which} State `columns: {{text: NAME}}`"
+                what = (
+                    f"which column is the text in {language.word}? State `columns: {{text: NAME}}`"
+                )
                 if not alone:
                     what += ", or what the column calls the language: `languages: {NAME: CODE}`"
                 raise lacking(source, table.head, what)
         if at in found:
-            what = f"one column for {found[at]} and {language.word}"
-            raise lacking(
-                source, table.head, f"{what}: state `columns: {{text: ...}}` with {{language}}"
-            )
+            what = f"one column for {found[at]} and {language.word}: state `columns: {{text: ...}}`"
+            raise lacking(source, table.head, f"{what} with {{language}}")
         found[at] = language.word
         texts.append((index, at))
     return texts

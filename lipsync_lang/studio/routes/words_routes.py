@@ -100,10 +100,7 @@ def words(workshop: Workshop, _: StudioRequest) -> Json:
             }
             for name, line in model.lines.items()
         ],
-        "phonemes": [
-            *compiled.phonemes,
-            *(s for s in compiled.shades if s not in compiled.phonemes),
-        ],
+        "phonemes": [*dict.fromkeys((*compiled.phonemes, *compiled.shades))],
         "sounds": _sounds(workshop),
     }
 

@@ -89,10 +89,8 @@ class PocketsphinxRecogniser:
             chances += sure
         found = timed_labels(models, heard, sayings, audio.seconds)
         said = sorted({one.word for one in heard if OUTSIDE not in (one.word, one.phone)})
-        recognised = (
-            replace(word, confidence=chances[number])
-            for word, number in zip(found.words, said, strict=True)
-        )
+        pairs = zip(found.words, said, strict=True)
+        recognised = (replace(word, confidence=chances[number]) for word, number in pairs)
         return Schedule(
             found.labels,
             found.times,
