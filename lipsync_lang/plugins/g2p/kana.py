@@ -34,6 +34,11 @@ _PLAIN_KANA = str.maketrans("ヲヂヅ’", f"オジズ{WHISPER}")
 _MANNER = {"normalize_mode": "NFKC", "predict_nani": False, "use_sudachi_kanji_yomi": False}
 """The same on every computer, whatever else is installed there."""
 
+_DRAWN_OUT = re.compile(r"(?<=[ぁ-ゖァ-ヺ])[~〜～]")
+"""A wave dash after kana, which draws the vowel out as ー does; the dictionary pauses there."""
+
+_WAVE_AS_LENGTH = str.maketrans("~〜～", "ーーー")
+
 _SURROGATE = re.compile(r"[\ud800-\udfff]")
 _KANA = re.compile(rf"[ァ-ヺー{WHISPER}]+")
 _ENDING_TWICE = re.compile("動詞 .*テ [^て]て")
@@ -77,14 +82,16 @@ def _sentences(text: str) -> Iterator[tuple[int, int]]:
 def _read(sentence: str) -> list[tuple[str, str]]:
     """Return the words of a sentence with their kana; together they are the sentence."""
     reader = dictionary()
+    # Half of a surrogate pair has no UTF-8, which the dictionary takes.
+    plain = _SURROGATE.sub("\ufffd", sentence)
+    plain = _DRAWN_OUT.sub(lambda wave: wave[0].translate(_WAVE_AS_LENGTH), plain)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of what it is made of, about each other
         try:
-            # Half of a surrogate pair has no UTF-8, which the dictionary takes.
-            morphemes = reader.g2p_mapping(_SURROGATE.sub("\ufffd", sentence), **_MANNER)
+            morphemes = reader.g2p_mapping(plain, **_MANNER)
         except ValueError:  # what it wrote cannot be traced back to the letters
             said = sentence.rstrip(_SENTENCE_MARKS)
-            read = str(reader.g2p(said, kana=True)).translate(_PLAIN_KANA)
+            read = str(reader.g2p(plain[: len(said)], kana=True)).translate(_PLAIN_KANA)
             return [(said, read), (mark := sentence[len(said) :], mark)]
     if not morphemes:
         return [(sentence, sentence)]

@@ -107,6 +107,14 @@ def test_the_pieces_make_up_the_text_again(text):
 
 
 @needs_dictionary
+@pytest.mark.parametrize("text", ["はーい、えーと。", "ありがとー！"])
+def test_a_wave_dash_draws_a_vowel_out(text):
+    said = [spelling for _, spelling in respell(text)]
+    for wave in "~〜～":
+        assert [spelling for _, spelling in respell(text.replace("ー", wave))] == said
+
+
+@needs_dictionary
 def test_what_cannot_be_read_keeps_its_spelling_to_be_named():
     assert ("한국어", "한국어") in respell("한국어と日本語")
     assert ("😀", "😀") in respell("いい天気😀")

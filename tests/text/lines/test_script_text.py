@@ -88,7 +88,7 @@ def dirty_lines():
         ("see www.a.org, or a.b@c.org.", "see, or.", ("www.a.org", "a.b@c.org")),
         ("go #teamwork #1", "go #1", ("#teamwork",)),
         ("me🙂you 👨‍👩‍👧 1️⃣", "me you 1", ("🙂", "👨‍👩‍👧", "️⃣")),
-        ("Hey~ すご～い 10～20", "Hey すごい 10～20", ("~", "～")),
+        ("Hey~ 好～ すご～い 10～20", "Hey 好 すご～い 10～20", ("~", "～")),
         ("snake_case => a | b", "snake case a b", ("_", "=>", "|")),
     ],
 )  # fmt: skip
