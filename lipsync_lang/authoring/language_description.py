@@ -74,11 +74,10 @@ def describe(library: Library, pack: Pack[models.Language]) -> dict[str, Any]:
 def _mouths(model: models.Language, common: models.Phonemes) -> dict[str, list[dict[str, float]]]:
     """Return the mouth of each common phoneme that the language uses, in measures."""
     used = {name for table in model.notations.values() for one in table.values() for name in one.to}
-    own = {name: sound.mouth for name, sound in model.adds.items() if sound}
     return {
         name: [step.model_dump(exclude_none=True) for step in mouth]
-        for name, mouth in (common.mouths() | own).items()
-        if name in used and mouth
+        for name, mouth in common.mouths(model.adds).items()
+        if name in used
     }
 
 

@@ -149,11 +149,9 @@ def _character(library: Library, pack: Pack[models.Character]) -> Description:
         lines += [f"{what}: {told}"] if told else []
     lines += _checks(model.checks)
     rigs = [path.stem for path in library.rigs_of(model.poseset)]
-    lines += (
-        [f"rig: {model.rig}"]
-        if model.rig
-        else [f"rigs to choose from: {' '.join(rigs)}"] * bool(rigs)
-    )
+    if model.rig or rigs:
+        chosen = f"rig: {model.rig}"
+        lines.append(chosen if model.rig else f"rigs to choose from: {' '.join(rigs)}")
     lines += _model(pack, model.model)
     return Description("\n".join(lines), model.model_dump(mode="json", by_alias=True))
 

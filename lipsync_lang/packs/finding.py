@@ -12,7 +12,7 @@ from functools import cached_property
 from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 from lipsync_lang.base.errors import PackError, did_you_mean
 from lipsync_lang.base.extensions import PACKS, EntryPoint, installed
@@ -34,11 +34,7 @@ IPA = "ipa"
 SHARED = {COMMON: "phonemes", IPA: IPA}
 """Files of `languages` that are not languages, with their kinds of pack."""
 
-FOLDERS: dict[Kind, str] = {
-    "language": "languages",
-    "poseset": "posesets",
-    "character": "characters",
-}
+FOLDERS: dict[Kind, str] = {kind: f"{kind}s" for kind in get_args(Kind)}
 """The folder of each kind of pack."""
 
 POSESET = "poseset.yaml"
@@ -59,11 +55,7 @@ MODEL_SUFFIXES = (*WHOLE_MODELS, ".gltf", ".fbx", ".obj", ".blend", ".ma", ".mb"
 PART_FOLDERS = {"banks": "bank", "rigs": "rig"}
 """The folders within a pose set, with their kinds of pack."""
 
-KIND_WORDS: dict[Kind, str] = {
-    "language": "language",
-    "poseset": "pose set",
-    "character": "character",
-}
+KIND_WORDS: dict[Kind, str] = {kind: kind for kind in FOLDERS} | {"poseset": "pose set"}
 """The name of each kind in messages."""
 
 NONE_UNSAVED: Mapping[Path, bytes] = MappingProxyType({})

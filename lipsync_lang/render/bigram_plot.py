@@ -77,7 +77,7 @@ def _bigram_page(bigrams: "Sequence[ShownBigram]") -> "Figure":
 def _bigram_panel(axes: "Axes", bigram: "ShownBigram") -> None:
     word = f"  {bigram.origin.word}" if bigram.origin.word else ""
     axes.set_title(f"{bigram.origin.name}{word}", size=11, weight="bold", loc="left")
-    axes.set_title(bigram.source, size=8, color=INK, loc="right")
+    axes.set_title(bigram.origin.source, size=8, color=INK, loc="right")
     axes.axvline(bigram.boundary, color=INK, lw=0.8, ls=":", zorder=1)
     spans = (0.0, bigram.boundary, 1.0)
     for label, start, end in zip(bigram.origin.pair, spans[:-1], spans[1:], strict=True):
@@ -156,9 +156,10 @@ def _diff_panel(axes: "Axes", panel: DiffPanel, names: tuple[str, ...]) -> None:
     """Draw one bigram: a row per pose, with rules at weights 0 and 1 as in the plot of a line."""
     change, poses = panel
     word = f"  {change.word}" if change.word else ""
+    sources = change.before.origin.source, change.after.origin.source
     axes.set_title(f"{change.bigram}{word}", size=11, weight="bold", loc="left", pad=16)
     axes.annotate(
-        f"{change.before} → {change.after}" if change.changed else "unchanged",
+        " → ".join(sources) if change.changed else "unchanged",
         (0, 1), (0, 5), xycoords="axes fraction", textcoords="offset points", size=8, color=INK,
     )  # fmt: skip
     tops = np.arange(len(poses)) * (ROW + GAP) + GAP

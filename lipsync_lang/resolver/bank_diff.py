@@ -19,9 +19,8 @@ from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Character
 from lipsync_lang.packs.pack import Pack
-from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.tables import RESOLUTION
-from lipsync_lang.resolver.compile import drawn_trigrams, played_trigrams
+from lipsync_lang.resolver.compile import drawn_trigrams, played_trigrams, tabulated
 from lipsync_lang.resolver.compiled import Origin, Pair, Triple
 from lipsync_lang.resolver.layers import THIRDS, BigramRow, Halves, PairPacks
 
@@ -43,9 +42,6 @@ class Side:
     """Normalised end of the first phoneme; for a trigram, of the first two."""
     free: bool
     """True if the bigram waives its contacts."""
-
-    def __str__(self) -> str:
-        return ", ".join(filter(None, (self.origin.layer, self.origin.status)))
 
     @property
     def boundaries(self) -> tuple[float, ...]:
@@ -222,17 +218,9 @@ def _other(library: Library, shelf: PairPacks, against: str) -> tuple[PairPacks,
 
 
 def _sampled(rows: Sequence[BigramRow], poses: int) -> Floats:
-    """Return (B, K, P) curves, sampled like the tables."""
-    out = np.zeros((len(rows), RESOLUTION + 1, poses))
-    alike: dict[tuple[int, bool], list[tuple[int, int, Floats]]] = {}
-    for number, row in enumerate(rows):
-        for pose, points in row.curves.items():
-            alike.setdefault((len(points), row.linear), []).append((number, pose, points))
-    for (_, linear), curves in alike.items():
-        keys = np.stack([points for _, _, points in curves])
-        drawn = (polyline if linear else bspline)(keys, TIMES).clip(0, 1)
-        out[[n for n, _, _ in curves], :, [pose for _, pose, _ in curves]] = drawn
-    return out
+    """Return (B, K, P) curves, sampled like the tables; a half of a trigram as all of it."""
+    whole = [replace(row, span=(0.0, 1.0)) for row in rows]
+    return tabulated(whole, poses, kind=np.float64)[1:]
 
 
 def _trigrams(before: PairPacks, after: PairPacks) -> dict[str, tuple[Side, Side]]:
@@ -327,7 +315,7 @@ def _told_change(change: BigramChange) -> Iterable[str]:
     if not change.changed:
         yield f"{change.bigram}{word}: the same"
         return
-    notes = [f"{before} -> {after}"]
+    notes = [f"{before.origin.source} -> {after.origin.source}"]
     if before.boundary != after.boundary:
         old, new = (", ".join(f"{one:g}" for one in side.boundaries) for side in (before, after))
         notes.append(f"boundary {old} -> {new}")

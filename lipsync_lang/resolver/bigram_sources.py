@@ -29,11 +29,6 @@ class ShownBigram:
     free: bool
     """True if the bigram waives its contacts."""
 
-    @property
-    def source(self) -> str:
-        """The layer and the status of the bigram."""
-        return ", ".join(filter(None, (self.origin.layer, self.origin.status)))
-
     def to_dict(self) -> dict[str, Any]:
         """Return the bigram as JSON data; `curves` are those of a bank."""
         return {
@@ -51,7 +46,7 @@ class ShownBigram:
     def told(self) -> str:
         """Return the source of the bigram, and its curves as a bank has them."""
         places = ", ".join(self.origin.places)
-        head = f"{self.origin.name}: {self.source}" + (f", {places}" if places else "")
+        head = f"{self.origin.name}: {self.origin.source}" + (f", {places}" if places else "")
         usual = {"word": None, "status": "", "boundary": 0.5, "contact": "hold"}
         own = {name: one for name, one in self.to_dict().items() if one != usual.get(name, one)}
         stated = own | {"curves": self.to_dict()["curves"]}

@@ -192,7 +192,7 @@ def _tables(shelf: PairPacks, rows: PairRows, earlier: Sampled | None) -> Tables
     first = len(rows.bigrams) + 1
     firsts = {triple: first + 2 * n for n, triple in enumerate(rows.halves)}
     trigrams, trigram_rows = trigram_arrays(index, rows.played, firsts)
-    curves = _tabulated(rows.every, len(shelf.poses), earlier)
+    curves = tabulated(rows.every, len(shelf.poses), earlier)
     boundary, free = _marks(rows.every)
     tables = Tables(
         curves=curves,
@@ -246,18 +246,18 @@ def _checks(shelf: PairPacks) -> dict[str, Any]:
 
 def _filmed(shelf: PairPacks) -> dict[str, Any]:
     """Return the reach of the mouth, and the widest aperture of each phoneme that states some."""
-    common, adds = shelf.common.model, shelf.language.model.adds
-    sounds = {**common.phonemes, **common.shades, **{n: own for n, own in adds.items() if own}}
-    reach = shelf.character.model.reach or shelf.poseset.model.reach
-    stated = {name: sounds[name].mouth for name in shelf.numbered if name in sounds}
-    widest = {n: max(one.aperture for one in mouth) for n, mouth in stated.items() if mouth}
+    who, mouths = shelf.character.model, shelf.mouths
+    reach = who.reach or shelf.poseset.model.reach
+    widest = {n: max(one.aperture for one in mouths[n]) for n in shelf.numbered if n in mouths}
     return {"reach": reach, "apertures": {n: round(reach * a, 4) for n, a in widest.items()}}
 
 
-def _tabulated(rows: list[BigramRow], poses: int, earlier: Sampled | None = None) -> Singles:
+def tabulated(
+    rows: list[BigramRow], poses: int, earlier: Sampled | None = None, kind: type = np.float32
+) -> Any:
     """Return (B, RESOLUTION + 1, P) samples of every bigram's curves; row 0 is rest."""
     at = np.linspace(0, 1, RESOLUTION + 1)
-    out = np.zeros((len(rows) + 1, RESOLUTION + 1, poses), np.float32)
+    out: Any = np.zeros((len(rows) + 1, RESOLUTION + 1, poses), kind)
     known: dict[tuple[int, tuple[float, float]], int] = {}
     if earlier is not None:
         # the very curves, which `earlier` keeps alive; halves of a trigram share theirs
@@ -310,7 +310,7 @@ def _bank(rows: list[BigramRow], plain: list[BigramRow], neutral: Singles) -> Ba
     both = enumerate(zip(rows, plain, strict=True), 1)
     own = [number for number, (row, other) in both if row is not other]
     curves = neutral.copy()
-    curves[own] = _tabulated([rows[number - 1] for number in own], neutral.shape[2])[1:]
+    curves[own] = tabulated([rows[number - 1] for number in own], neutral.shape[2])[1:]
     return Bank(curves, *_marks(rows))
 
 

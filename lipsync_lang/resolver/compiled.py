@@ -38,6 +38,11 @@ class Origin(NamedTuple):
         """The unit that was drawn, such as `l-ow` or `s-d-r`."""
         return "-".join(self.triple or self.pair)
 
+    @property
+    def source(self) -> str:
+        """The layer and the status."""
+        return ", ".join(filter(None, (self.layer, self.status)))
+
 
 @dataclass(frozen=True)
 class Report:

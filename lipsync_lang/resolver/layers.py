@@ -26,7 +26,7 @@ from lipsync_lang.pipeline.tables import Contact
 from lipsync_lang.resolver.compiled import Origin, Pair, Triple
 from lipsync_lang.resolver.pose_arrays import thresholds
 from lipsync_lang.resolver.rigging import OtherModel, model_file, plain_rig
-from lipsync_lang.resolver.solving import SolvedFace, solved_face
+from lipsync_lang.resolver.solving import SolvedFace, farther, solved_face
 
 _log = logging.getLogger(__name__)
 
@@ -161,8 +161,8 @@ class PairPacks:
                 raise
             _log.info("%s keeps the targets of its pose set: %s", who.name, error)
             return None
-        mouths = self.common.model.mouths() | who.mouths
-        return solved_face(face, mouths, model, plain, who.reach or face.reach)
+        face = face.model_copy(update={"reach": who.reach or face.reach})
+        return solved_face(face, self.mouths | who.mouths, model, plain, self.likes)
 
     def refuse_faults(self) -> None:
         """Raise an error with every fault that prevents a performance of these packs.
@@ -203,14 +203,25 @@ class PairPacks:
         common = self.common.model
         return KnownPhonemes(self.library, {*common.phonemes, *common.shades, *self.phonemes})
 
+    @property
+    def mouths(self) -> dict[str, tuple[models.SoundMouth, ...]]:
+        """The mouth of each sound that states one; the character's own, if targets are solved."""
+        stated = self.common.model.mouths(self.language.model.adds)
+        return stated if self.solved is None else stated | self.character.model.mouths
+
     @cached_property
     def face(self) -> models.PoseSet:
-        """The pose set, with solved targets, and the character's own, in place of its."""
-        poseset = self.poseset.model
+        """The pose set, with solved targets, and the character's own, in place of its.
+
+        Declared targets show the reach of the set; the reach of the character scales them.
+        """
+        poseset, who = self.poseset.model, self.character.model
+        targets = dict(poseset.targets)
         if self.solved is not None:
-            targets = {**poseset.targets, **self.solved.targets}
-            poseset = poseset.model_copy(update={"targets": targets})
-        return self.character.model.own_face(poseset)
+            targets |= self.solved.targets
+        elif who.reach is not None:
+            targets = farther(poseset, who.reach / poseset.reach)
+        return who.own_face(poseset.model_copy(update={"targets": targets}))
 
     @property
     def poses(self) -> tuple[str, ...]:
@@ -221,11 +232,7 @@ class PairPacks:
     def phonemes(self) -> tuple[str, ...]:
         """Phonemes without shades: silence, the base, and the additions of the language."""
         model = self.common.model
-        return (
-            model.silence,
-            *model.base,
-            *(a for a in self.language.model.adds if a not in model.base),
-        )
+        return (model.silence, *dict.fromkeys((*model.base, *self.language.model.adds)))
 
     @cached_property
     def parents(self) -> dict[str, str]:
@@ -236,13 +243,8 @@ class PairPacks:
     @cached_property
     def shades(self) -> tuple[str, ...]:
         """Shades of the language that a target or a bank distinguishes from their parents."""
-        drawn = {
-            phoneme
-            for file in self.drawn
-            for unit in chain(file.rows, file.halves)
-            for phoneme in unit
-        }
-        shown = drawn | self.face.targets.keys()
+        units = chain.from_iterable(chain(file.rows, file.halves) for file in self.drawn)
+        shown = self.face.targets.keys() | set(chain.from_iterable(units))
         said = self.parents if self.language.model.automatic else self._mapped
         return tuple(name for name in self.parents if name in shown and name in said)
 
@@ -312,12 +314,11 @@ class PairPacks:
     def _by_origin(self) -> tuple[Layers, Layers]:
         """The layers without fitted bigrams, and those of fitted ones, empty if there are none."""
         parts: list[list[DrawnBigrams]] = [[], []]
-        for file in self.drawn:
-            for part, fitted in zip(parts, (False, True), strict=True):
+        for fitted, part in enumerate(parts):
+            for file in self.drawn:
                 rows = {p: r for p, r in file.rows.items() if (r.origin.status == FITTED) == fitted}
                 part.append(file._replace(rows=rows))
-        drawn, fits = parts
-        return _layered(drawn), _layered(fits) if any(file.rows for file in fits) else {}
+        return _layered(parts[0]), _layered(parts[1]) if any(f.rows for f in parts[1]) else {}
 
     def redrawn(self, drawn: "tuple[DrawnBigrams, ...]") -> Self:
         """Return these packs with other bigrams in their files."""
@@ -496,7 +497,9 @@ class PairPacks:
             place = self.common.where((kind, phoneme, "mouth"))
             if phoneme in self.character.model.mouths:
                 place = self.character.where(("mouths", phoneme))
-            return f"{place}, solved on {self.solved.model.name}"
+            elif phoneme not in self.common.model.mouths():
+                place = self.language.where(("adds", phoneme, "mouth"))
+            return f"{place}, {self.solved.told(phoneme)}"
         return str((self.character if own else self.poseset).where(("targets", phoneme)))
 
     def target_phoneme(self, phoneme: str) -> str:

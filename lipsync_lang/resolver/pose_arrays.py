@@ -5,6 +5,7 @@ from graphlib import TopologicalSorter
 import numpy as np
 
 from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.packs.models import AtMost, PoseSet, Threshold
 
 SOFTNESS_SECONDS = 0.04
@@ -32,10 +33,7 @@ def at_most(poseset: PoseSet) -> list[tuple[int, int]]:
         if isinstance(rule, AtMost) and numbers.keys() >= {rule.pose, rule.at_most}
     ]
     # a pose may be the other of one rule and the pose of the next: the order must chain
-    graph: dict[int, set[int]] = {}
-    for pose, other in rules:
-        graph.setdefault(pose, set()).add(other)
-    order = list(TopologicalSorter(graph).static_order())
+    order = list(TopologicalSorter(grouped(rules)).static_order())
     return sorted(rules, key=lambda rule: order.index(rule[0]))
 
 

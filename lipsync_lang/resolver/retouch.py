@@ -55,7 +55,7 @@ class OpenPair:
                 return None
             old, new = data[text.path], text.data
             # trigrams too: their rows change the numbers of all rows behind them
-            if not isinstance(new, dict) or _without_bigrams(old) != _without_bigrams(new):
+            if not isinstance(new, dict) or {**old, INDEPENDENT: 0} != {**new, INDEPENDENT: 0}:
                 return None
             before, after = old.get(INDEPENDENT) or {}, new.get(INDEPENDENT) or {}
             keys = [key for key in {**before, **after} if before.get(key) != after.get(key)]
@@ -85,10 +85,6 @@ class OpenPair:
             origin = row.origin._replace(places=(str(place),))
             rows[pair] = replace(row, place=place, origin=origin)
         return file._replace(rows=rows)
-
-
-def _without_bigrams(data: Data) -> Data:
-    return {key: value for key, value in data.items() if key != INDEPENDENT}
 
 
 def _sound(shelf: PairPacks, text: SplicedText, keys: Collection[str]) -> Pack[Any]:

@@ -59,6 +59,9 @@ LEAST_OPENING = 0.03
 FAR_GOAL = 1e3
 """Distance of the goal that stands for a price."""
 
+MISSED_SHARE, LEAST_MISS = 1 / 3, 0.03
+"""A measure is missed by this share of what was asked, and by so many widths of the mouth."""
+
 DECIMALS = 4
 """Places of a solved weight, so that processors agree."""
 
@@ -69,8 +72,20 @@ class SolvedFace:
 
     model: Path
     targets: Mapping[str, tuple[PhonemeTarget, ...]] = field(default_factory=dict)
+    asked: Mapping[str, Floats] = field(default_factory=dict)
+    """(steps, 4) measures of the mouths, by phoneme; NaN for one that is left open."""
     reached: Mapping[str, Floats] = field(default_factory=dict)
     """(steps, 4) measures of the targets, by phoneme."""
+
+    def told(self, phoneme: str) -> str:
+        """Return where a target was solved, with the measures that miss what was asked by far."""
+        missed = [
+            f"{measure} {given:.3f} for {asked:.3f}"
+            for rows in zip(self.asked[phoneme], self.reached[phoneme], strict=True)
+            for measure, asked, given in zip(models.MOUTH_MEASURES, *rows, strict=True)
+            if abs(given - asked) > max(LEAST_MISS, MISSED_SHARE * abs(asked))
+        ]
+        return f"solved on {self.model.name}" + (f", with {', '.join(missed)}" if missed else "")
 
 
 def solved_face(
@@ -78,7 +93,7 @@ def solved_face(
     mouths: Mapping[str, Sequence[models.SoundMouth]],
     model: "Model",
     rig: Mapping[str, Any] | None = None,
-    reach: float | None = None,
+    likes: Mapping[str, str] | None = None,
 ) -> SolvedFace | None:
     """Solve the targets of a pose set on a model; None if its mouth cannot be measured.
 
@@ -86,7 +101,7 @@ def solved_face(
     ----------
     mouths : the mouths of sounds in running speech, by phoneme
     rig : the rig that drives it, as plain data; None if its shapes are the poses
-    reach : factor of all measures; None for that of the pose set
+    likes : phonemes that a language adds, each with one whose target is its look
 
     Raises
     ------
@@ -113,15 +128,43 @@ def solved_face(
             "keep the targets of the pose set with `mouth: declared` in a character"
         )
     face = _FaceToSolve.of(poseset, gains)
+    looks = {**(likes or {}), **{name: name for name in poseset.targets}}
+    asked = {
+        name: asked_measures(mouths[name], len(poseset.targets[look]), poseset.reach)
+        for name, look in looks.items()
+        if mouths.get(name) and look in poseset.targets
+    }
     targets = {
-        name: face.target(name, steps, mouths[name], reach or poseset.reach)
-        for name, steps in poseset.targets.items()
-        if mouths.get(name)
+        name: face.target(looks[name], poseset.targets[looks[name]], rows)
+        for name, rows in asked.items()
     }
     reached = {
         name: np.array([gains @ face.weights(one) for one in targets[name]]) for name in targets
     }
-    return SolvedFace(model.path, targets, reached)
+    return SolvedFace(model.path, targets, asked, reached)
+
+
+def asked_measures(mouth: Sequence[models.SoundMouth], steps: int, reach: float) -> Floats:
+    """Return the measures (steps, 4) of a mouth; NaN for one that it leaves open.
+
+    The last mouth serves all steps that follow.
+    """
+    rows = [mouth[min(number, len(mouth) - 1)] for number in range(steps)]
+    stated = [[getattr(row, measure) for measure in models.MOUTH_MEASURES] for row in rows]
+    return reach * np.array(stated, float)
+
+
+def farther(poseset: models.PoseSet, factor: float) -> dict[str, tuple[models.PhonemeTarget, ...]]:
+    """Return the declared targets with weights times a factor; poses of contacts keep theirs."""
+    touching = (pose for contact in poseset.contacts.values() for pose in contact.floor)
+    own = dict.fromkeys(touching, 1.0)
+
+    def moved(step: PhonemeTarget) -> PhonemeTarget:
+        far = {pose: weight * own.get(pose, factor) for pose, weight in step.weights.items()}
+        weights = {pose: min(1.0, round(weight, DECIMALS)) for pose, weight in far.items()}
+        return step.model_copy(update={"weights": weights})
+
+    return {name: tuple(map(moved, steps)) for name, steps in poseset.targets.items()}
 
 
 def pose_gains(
@@ -161,23 +204,16 @@ class _FaceToSolve:
     def of(cls, poseset: models.PoseSet, gains: Floats) -> "_FaceToSolve":
         """Find which poses may be solved, and how far they may go."""
         number = {pose: index for index, pose in enumerate(poseset.poses)}
-        other = {
-            number[one]: number[two]
-            for part in poseset.mirrored
-            for one, two in poseset.mirrors(part).items()
-            if one in number and two in number
-        }
-        groups = [
-            np.array([one, *([other[one]] if one in other else [])])
-            for one in number.values()
-            if one not in other.values()
-        ]
+        twins = dict(pair for part in poseset.mirrored for pair in poseset.mirrors(part).items())
+        found = [[n for n in (one, twins.get(one)) if n in number] for one in number]
+        seconds = {both[1] for both in found if len(both) > 1}
+        groups = [np.array([number[n] for n in one]) for one in found if one[0] not in seconds]
         opening = gains[0] > OPENING_SHARE * np.abs(gains[1])
         made = cls(poseset, gains, groups, opening, np.ones(len(number)))
         steps = [made.weights(one) for steps in poseset.targets.values() for one in steps]
         most = np.where(opening, 1.0, np.maximum(np.max(steps, axis=0), MOST_SHAPE))
-        touching = {pose for contact in poseset.contacts.values() for pose in contact.floor}
         still = np.abs(gains).max(axis=0) <= STILL_GAIN
+        touching = {pose for contact in poseset.contacts.values() for pose in contact.floor}
         kept = still | [pose in touching for pose in poseset.poses]
         return replace(made, most=np.where(kept, 0.0, most))
 
@@ -186,43 +222,35 @@ class _FaceToSolve:
         return np.array([step.weights.get(pose, 0.0) for pose in self.poseset.poses])
 
     def target(
-        self,
-        name: str,
-        steps: Sequence[PhonemeTarget],
-        mouth: Sequence[models.SoundMouth],
-        reach: float,
+        self, name: str, steps: Sequence[PhonemeTarget], asked: Floats
     ) -> tuple[PhonemeTarget, ...]:
-        """Solve the target of a phoneme, step by step."""
+        """Solve the target of a phoneme for the measures (steps, 4) asked, step by step."""
         most = self.most
         for contact in self.poseset.contacts.values():
             if name in contact.phonemes:
                 ceiling = [contact.ceiling.get(pose, 1.0) for pose in self.poseset.poses]
                 most = np.minimum(most, ceiling)
         groups = [group for group in self.groups if most[group].min() > 0]
-        free = np.isin(np.arange(len(most)), np.concatenate([*groups, np.array([], int)]))
+        share = np.zeros((len(groups), len(most)))
+        for row, group in zip(share, groups, strict=True):
+            row[group] = 1.0
+        free, gains = share.any(axis=0), self.gains @ share.T
         own = np.any([self.weights(step) > 0 for step in steps], axis=0)
-        price = np.array([len(g) ** 0.5 * (OWN_SHARE if own[g].any() else 1.0) for g in groups])
+        price = share.sum(axis=1) ** 0.5 * np.where(share @ own > 0, OWN_SHARE, 1.0)
+        top = np.array([most[group].min() for group in groups])
+        opens = np.array([self.opening[group[0]] for group in groups])
+        firmly = np.where(opens, min(OPENING_LOOK, self.poseset.look), self.poseset.look)
         found = []
-        for number, step in enumerate(steps):
-            weights = self.weights(step)
-            wanted = mouth[min(number, len(mouth) - 1)]
-            stated = [getattr(wanted, measure) for measure in models.MOUTH_MEASURES]
-            firm = np.where([one is not None for one in stated], FIRMNESS, IDLE_FIRMNESS)
-            aim = reach * np.array([one or 0.0 for one in stated])
-            aim -= self.gains[:, ~free] @ weights[~free]
-            gains = (
-                np.array([self.gains[:, group].sum(axis=1) for group in groups]).reshape(-1, 4).T
-            )
-            look = np.array([weights[group].max() for group in groups])
-            top = np.array([most[group].min() for group in groups])
-            opens = np.array([self.opening[group[0]] for group in groups])
-            firmly = np.where(opens, min(OPENING_LOOK, self.poseset.look), self.poseset.look)
+        for step, wanted in zip(steps, asked, strict=True):
+            declared = self.weights(step)
+            firm = np.where(np.isnan(wanted), IDLE_FIRMNESS, FIRMNESS)
+            aim = np.nan_to_num(wanted) - self.gains[:, ~free] @ declared[~free]
+            look = np.array([declared[group].max() for group in groups])
             solved = _fitted(firm[:, None] * gains, firm * aim, firmly, look, price, top)
-            for group, weight in zip(groups, solved, strict=True):
-                weights[group] = weight
+            weights = np.round(np.where(free, solved @ share, declared), DECIMALS)
             # An opening pose that is not named would spread into the sound from its neighbours.
             named = [pose in step.weights for pose in self.poseset.poses] | (self.opening & free)
-            rows = zip(self.poseset.poses, np.round(weights, DECIMALS).tolist(), named, strict=True)
+            rows = zip(self.poseset.poses, weights.tolist(), named, strict=True)
             kept = {pose: weight for pose, weight, stays in rows if stays or weight}
             found.append(step.model_copy(update={"weights": kept}))
         return tuple(found)

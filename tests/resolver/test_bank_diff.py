@@ -159,7 +159,7 @@ def test_a_trigram_is_compared_with_the_larger_of_its_bigrams(folder):
     (change,) = found.named
     assert (change.bigram, change.word, found.total) == ("s-l-ow", "slow", 1)
     before, after = change.before, change.after
-    assert (str(before), str(after)) == ("bigrams", "character, edited")
+    assert (before.origin.source, after.origin.source) == ("bigrams", "character, edited")
     assert before.boundary == after.boundary == (0.25, 0.5)
     gained = {pose.pose: (pose.largest, pose.at) for pose in change.poses}
     # of "s-l" W peaks where "s" ends; of "l-ow" open does where "l" ends, and FV lasts throughout

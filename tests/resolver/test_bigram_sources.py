@@ -79,7 +79,7 @@ def shown(tmp_path, *wanted):
 
 def test_a_shown_bigram_is_what_is_performed_whoever_drew_it(shelf, tmp_path):
     drawn, draft = shown(tmp_path, "a-f", "a-p")
-    assert (drawn.source, draft.source) == ("character, edited", "draft, drafted")
+    assert (drawn.origin.source, draft.origin.source) == ("character, edited", "draft, drafted")
     assert {pose: points.tolist() for pose, points in drawn.curves.items()} == {
         "FV": [[0, 0], [1, 1]]
     }

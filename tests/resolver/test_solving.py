@@ -13,7 +13,13 @@ from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.packs import models
 from lipsync_lang.packs.library import Library
 from lipsync_lang.resolver.layers import PairPacks
-from lipsync_lang.resolver.solving import _FaceToSolve, pose_gains, solved_face
+from lipsync_lang.resolver.solving import (
+    _FaceToSolve,
+    asked_measures,
+    farther,
+    pose_gains,
+    solved_face,
+)
 
 SOLVED = [
     name.name
@@ -28,7 +34,7 @@ def targets(poseset, gains, reach=1.0):
     """Solve every target of a pose set for shapes with these effects."""
     solver = _FaceToSolve.of(poseset, gains)
     return {
-        name: solver.target(name, steps, SOUNDS[name].mouth, reach)
+        name: solver.target(name, steps, asked_measures(SOUNDS[name].mouth, len(steps), reach))
         for name, steps in poseset.targets.items()
         if SOUNDS[name].mouth
     }
@@ -144,7 +150,8 @@ def test_reach_moves_every_mouth_farther(tmp_path):
     poseset = LIBRARY.poseset("arkit").model
     path = face(tmp_path / "head.glb", *ARKIT)
     near, far = (
-        solved_face(poseset, COMMON.mouths(), read_model(path), reach=reach) for reach in (1.0, 1.6)
+        solved_face(poseset.model_copy(update={"reach": reach}), COMMON.mouths(), read_model(path))
+        for reach in (1.0, 1.6)
     )
     for name in ("aa", "eh", "l", "d"):
         ratio = far.reached[name][0, 0] / near.reached[name][0, 0]
@@ -234,11 +241,11 @@ IDLE = {
 }
 
 
-@pytest.mark.parametrize("field", ["mouths: {aa: {aperture: 0.4, width: 0}}", "reach: 1.4"])
 @pytest.mark.parametrize("head", IDLE)
 def test_mouths_of_a_head_that_is_not_solved_have_no_effect_and_a_warning(
-    cli, tmp_path, monkeypatch, field, head
+    cli, tmp_path, monkeypatch, head
 ):
+    field = "mouths: {aa: {aperture: 0.4, width: 0}}"
     monkeypatch.chdir(tmp_path)
     (tmp_path / "characters").mkdir()
     face(tmp_path / "characters" / "head.glb", *ARKIT)
@@ -292,6 +299,77 @@ def test_a_reach_of_the_character_replaces_that_of_the_set(project):
     near, far = project(), project("reach: 1.5\n")
     opened = [one.face.targets["aa"][0].weights["jawOpen"] for one in (near, far)]
     assert opened[1] > 1.3 * opened[0]
+
+
+@given(reach=st.floats(0.5, 2))
+def test_a_reach_scales_declared_targets_but_no_contact(reach):
+    for poseset in (LIBRARY.poseset(name).model for name in SOLVED):
+        touching = {pose for contact in poseset.contacts.values() for pose in contact.floor}
+        for name, steps in farther(poseset, reach).items():
+            for before, now in zip(poseset.targets[name], steps, strict=True):
+                assert now.model_copy(update={"weights": before.weights}) == before
+                for pose, weight in before.weights.items():
+                    factor = 1 if pose in touching else reach
+                    assert now.weights[pose] == pytest.approx(min(1, factor * weight), abs=1e-4)
+
+
+def test_the_shipped_head_is_a_cartoon_by_the_reach_of_its_character(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "characters").mkdir()
+    stated = "kind: character\nformat: 1\nname: anna\nposeset: facefx\nreach: 1.25\n"
+    stated += "targets: {eh: {open: 0.3}}\n"
+    (tmp_path / "characters" / "anna.yaml").write_text(stated)
+    packs, usual = (PairPacks.open(Library(), "english", who) for who in ("anna", "facefx"))
+    assert packs.face.targets["aa"][0].weights["open"] == pytest.approx(0.9375)
+    assert packs.face.targets["eh"][0].weights == {"open": 0.3}
+    assert usual.face.targets == FACEFX.targets
+    checks = [ll.resolve("english", who).compiled.checks for who in ("anna", "facefx")]
+    assert [one["reach"] for one in checks] == [1.25, 1]
+    far, near = (one["apertures"]["aa"] for one in checks)
+    assert far == pytest.approx(1.25 * near)
+
+
+ADDED = """\
+kind: language
+format: 1
+name: mine
+tag: en
+adds:
+  ka: {like: kg, mouth: {aperture: 0.5, width: 0.1}}
+  pe: {like: bmp, mouth: {aperture: 0, width: 0}}
+notations: {ipa: {k: ka, g: kg, p: pe, a: aa}}
+"""
+
+
+def test_a_sound_that_a_language_adds_has_its_own_mouth(project, tmp_path):
+    project()
+    (tmp_path / "languages").mkdir()
+    (tmp_path / "languages" / "mine.yaml").write_text(ADDED)
+    packs = PairPacks.open(Library(), "mine", "anna")
+    assert packs.solved.reached["ka"][0, 0] == pytest.approx(0.5, abs=0.05)
+    assert packs.solved.reached["kg"][0, 0] < 0.3
+    lips = packs.poseset.model.contacts["lips"]
+    for pose, most in lips.ceiling.items():
+        declared = packs.poseset.model.targets["bmp"][0].weights.get(pose, 0)
+        assert packs.face.targets["pe"][0].weights.get(pose, 0) <= max(most, declared)
+    assert "mine.yaml:6:25, solved on head.glb" in packs.targets["ka"][1]
+    assert ll.resolve("mine", "anna").compiled.checks["apertures"]["ka"] == 0.5
+
+
+def test_a_common_sound_that_a_language_adds_keeps_its_mouth(project):
+    project()
+    packs = PairPacks.open(Library(), "german", "anna")
+    assert packs.language.model.adds["yu"] is None
+    assert np.array_equal(packs.solved.asked["yu"], asked_measures(SOUNDS["yu"].mouth, 1, 1))
+
+
+def test_an_explanation_says_what_the_mesh_misses_of_a_mouth(project):
+    project("mouths: {aa: {aperture: 0.3, width: 0.3}}\n")
+    line = ll.resolve("english", "anna").perform(ll.Schedule(("AA", "AH"), [0, 0.2, 0.4]))
+    wide, near = line.explain(0.2).bigrams[0].places
+    assert ", solved on head.glb, with width 0.0" in wide
+    assert wide.endswith(" for 0.300")
+    assert near.endswith(", solved on head.glb")
 
 
 def test_the_model_of_a_pose_set_is_what_its_targets_were_made_for():

@@ -3,6 +3,7 @@
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import combinations
 
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.packs.models import AtMost, BankPack, Character, PoseSet, Threshold
 from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
 from lipsync_lang.packs.pack import Pack
@@ -94,9 +95,7 @@ def _circles(poseset: Pack[PoseSet]) -> Iterator[Fault]:
         for index, pair in enumerate(poseset.model.constraints.pairs)
         if isinstance(pair, AtMost) and pair.pose != pair.at_most
     ]
-    waits: dict[str, set[str]] = {}
-    for _, pose, other in rules:
-        waits.setdefault(pose, set()).add(other)
+    waits = grouped((pose, other) for _, pose, other in rules)
     for index, pose, other in rules:
         path = path_between(waits, other, pose)
         if path:
@@ -148,9 +147,8 @@ def _outranked(poseset: Pack[PoseSet]) -> Iterator[Fault]:
         for other in (one for one in ranked if _rank(model, one) > _rank(model, pose)):
             threshold = _threshold(model, pose, other)[0]
             if threshold < floor - SUM_TOLERANCE:
-                what = (
-                    f"'{pose}' yields to '{other}' above {threshold:g}, but its floor is {floor:g}"
-                )
+                above = f"above {threshold:g}, but its floor is {floor:g}"
+                what = f"'{pose}' yields to '{other}' {above}"
                 hint = f"put '{pose}' after '{other}' in `priority`, or raise the threshold"
                 yield poseset.fault(loc, "P207", what, hint, key=True)
     for pair in model.constraints.pairs:
@@ -222,13 +220,12 @@ def unprepared(pack: Pack[PoseSet] | Pack[Character], poseset: PoseSet) -> Itera
                 heights = [step.weights.get(pose, 0.0) for step in targets[phoneme]]
                 floor, top = contact.floor.get(pose, 0.0), contact.ceiling.get(pose, 1.0)
                 if max(heights) < floor:
-                    what = (
-                        f"'{pose}' gets to {max(heights):g}, but contact '{name}' is at {floor:g}"
-                    )
+                    reached, limit = f"gets to {max(heights):g}", floor
                 elif min(heights) > top:
-                    what = f"'{pose}' stays at {min(heights):g}, but contact '{name}' is at {top:g}"
+                    reached, limit = f"stays at {min(heights):g}", top
                 else:
                     continue
+                what = f"'{pose}' {reached}, but contact '{name}' is at {limit:g}"
                 hint = "change the target or the contact, so that a draft satisfies it"
                 yield pack.warning(("targets", phoneme), "W314", what, hint, key=True)
 

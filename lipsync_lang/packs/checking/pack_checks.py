@@ -395,14 +395,13 @@ def idle_mouths(
     *,
     solved: bool | None = None,
 ) -> Iterator[Fault]:
-    """Warn of mouths and a reach without an effect, because no target is solved for them.
+    """Warn of mouths without an effect, because no target is solved for them.
 
     `project` is the `mouth` of the project, and `solved` tells if the model was solved. None for a
     model that nobody has read: it may be.
     """
     model, hint = character.model, "state the weights under `targets`"
-    fields = {"mouths": model.mouths, "reach": model.reach, "mouth": model.mouth == "solved"}
-    stated = next((name for name, value in fields.items() if value), None)
+    stated = "mouths" if model.mouths else "mouth" if model.mouth == "solved" else None
     if (model.mouth or project or poseset.mouth) == "declared":
         who = "the character" if model.mouth else "the project" if project else "the pose set"
         why, hint = f"{who} keeps declared targets", f"state `mouth: solved` here, or {hint}"

@@ -136,15 +136,9 @@ class _Validation:
 
     def _compare(self, pack: "Pack[Any]") -> None:
         """Check a pack against those that it names; a read-out names none."""
-        act: dict[str, Callable[[Pack[Any]], None]] = {
-            "language": self._language,
-            "bank": self._bank,
-            "rig": self._rig,
-            "character": self._character,
-        }
         kind, common, phonemes = pack.model.kind, self.common, self._phonemes()
-        if kind in act:
-            act[kind](pack)
+        if kind in {"language", "bank", "rig", "character"}:
+            getattr(self, f"_{kind}")(pack)
         elif kind == "phonemes":
             self.faults.update(checks.check_phonemes(pack))
         elif kind == finding.IPA and common is not None:

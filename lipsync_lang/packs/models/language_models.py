@@ -189,10 +189,12 @@ class Phonemes(PackModel):
         """Labels at which the mouth rests: of silence and of noise."""
         return (*self.silence_labels, *self.noise_labels)
 
-    def mouths(self) -> dict[str, tuple[SoundMouth, ...]]:
-        """Return the mouth of each phoneme and shade that states one."""
-        sounds = {**self.phonemes, **self.shades}
-        return {name: sound.mouth for name, sound in sounds.items() if sound.mouth}
+    def mouths(
+        self, adds: "Mapping[str, Phoneme | None] | None" = None
+    ) -> dict[str, tuple[SoundMouth, ...]]:
+        """Return the mouth of each phoneme and shade, and of a language's own, that states one."""
+        sounds = [*self.phonemes.items(), *self.shades.items(), *(adds or {}).items()]
+        return {name: sound.mouth for name, sound in sounds if sound and sound.mouth}
 
     @model_validator(mode="after")
     def _spelled_once(self) -> Self:

@@ -298,7 +298,7 @@ class PoseSet(PackModel):
     """`solved`: on a model, the targets are those weights of its shapes that give the mouth of each
     sound best. The targets of this file serve without one, and on the model of this file."""
     reach: MouthReach = 1.0
-    """Factor of solved mouths: 1 for natural speech, more for a cartoon."""
+    """Factor of solved mouths and the targets here: 1 for natural speech, more for a cartoon."""
     look: Annotated[float, Field(ge=0, le=10)] = 0.1
     """Firmness with which solved targets hold to those of this file, the look of a sound."""
 
@@ -572,7 +572,7 @@ class Character(PackModel, Delivery):
     """`declared` keeps the targets of the pose set; `solved` solves them on the model. A target of
     the character's own always stays. Unless stated, as the pose set says."""
     reach: MouthReach | None = None
-    """Factor of solved mouths, in place of the pose set's."""
+    """Factor of solved mouths and of the set's targets, in place of the pose set's."""
     mouths: dict[Common, Mouths] = Field(default={})
     """Mouths that targets are solved for, by phoneme, in place of those of `common.yaml`."""
 
