@@ -182,10 +182,8 @@ def read_audio(path: str | Path, channel: int | None = None) -> Audio:
     try:
         import soundfile
     except (ImportError, OSError):  # OSError: the shared library of the package is missing
-        line = install_line("audio")
-        raise SpeechError(
-            f"recordings need soundfile, which is not installed; get it with: {line}"
-        ) from None
+        what = "recordings need soundfile, which is not installed"
+        raise SpeechError(f"{what}; get it with: {install_line('audio')}") from None
     path = Path(path)
     try:
         found = compression(path) if path.is_file() else None
@@ -197,9 +195,8 @@ def read_audio(path: str | Path, channel: int | None = None) -> Audio:
             except SpeechError as error:
                 raise SpeechError(str(error).replace(str(wav), str(path))) from None
     except OSError as error:
-        raise SpeechError(
-            f"{path}: cannot be read: {error.strerror or error}; check the path"
-        ) from None
+        why = error.strerror or error
+        raise SpeechError(f"{path}: cannot be read: {why}; check the path") from None
     except soundfile.LibsndfileError as error:
         told = unread(path, error.error_string)
         raise SpeechError(f"{path}: not a readable recording ({told}") from None

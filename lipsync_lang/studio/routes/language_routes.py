@@ -72,11 +72,9 @@ def begin(workshop: Workshop, request: StudioRequest) -> Json:
 
 def transcript(workshop: Workshop, request: StudioRequest) -> Json:
     """Transcribe a text with the unsaved edits: labels, and their common phonemes."""
-    text = request.text("text").strip()
-    if len(text) > MAX_TYPED_CHARS:
-        raise LipsyncError(
-            f"the text is longer than {MAX_TYPED_CHARS} characters; try a single word"
-        )
+    text, most = request.text("text").strip(), MAX_TYPED_CHARS
+    if len(text) > most:
+        raise LipsyncError(f"the text is longer than {most} characters; try a single word")
     if not text:
         raise LipsyncError("type a word to try")
     return _table(workshop).transcribed(text)

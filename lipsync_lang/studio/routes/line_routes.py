@@ -51,11 +51,9 @@ SAVED = "saved"
 
 def speak(workshop: Workshop, request: StudioRequest) -> PackedResponse:
     """Speak a text, and return its sound and its take."""
-    text = request.text("text").strip()
-    if len(text) > MAX_TYPED_CHARS:
-        raise LipsyncError(
-            f"the line is longer than {MAX_TYPED_CHARS} characters; speak it in parts"
-        )
+    text, most = request.text("text").strip(), MAX_TYPED_CHARS
+    if len(text) > most:
+        raise LipsyncError(f"the line is longer than {most} characters; speak it in parts")
     workshop.speak(text)
     return whole(workshop)
 

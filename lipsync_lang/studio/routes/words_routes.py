@@ -137,19 +137,18 @@ def start(workshop: Workshop, request: StudioRequest) -> Json:
         if request.query.get(name) and whole_number(request.query[name]) is None:
             raise LipsyncError(f"`{name}` must be a whole number from 0 on")
     word, phoneme = (whole_number(request.query.get(name, "")) for name in ("word", "phoneme"))
-    first, stop = 0, len(schedule)
+    first, stop, count = 0, len(schedule), len(schedule.words)
     if word is not None:
-        if word >= len(schedule.words):
+        if word >= count:
             raise LipsyncError(
-                f"the line has {len(schedule.words)} words, counted from 0; there is no word {word}"
+                f"the line has {count} words, counted from 0; there is no word {word}"
             )
         first, stop = schedule.words[word].first, schedule.words[word].stop
     if phoneme is not None:
         spoken = [n for n, said in enumerate(_sounds(workshop)) if said and first <= n < stop]
         if phoneme >= len(spoken):
-            raise LipsyncError(
-                f"there are {len(spoken)} phonemes, counted from 0; there is no phoneme {phoneme}"
-            )
+            known = f"there are {len(spoken)} phonemes, counted from 0"
+            raise LipsyncError(f"{known}; there is no phoneme {phoneme}")
         first, stop = spoken[phoneme], spoken[phoneme] + 1
     if request.query.get("alone"):
         schedule = excerpt(schedule, first, stop)

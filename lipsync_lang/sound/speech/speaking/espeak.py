@@ -260,9 +260,8 @@ def _settled(sounds: Sequence[SpokenSound], pause: int) -> tuple[list[SpokenSoun
             kept.append(sound)
         elif not sound.silent:
             # Rather the sound before lends some time: those without any mostly close a syllable.
-            lender = next(
-                (s for s in (last, following) if s and not s.silent and s.end > s.start), None
-            )
+            beside = (s for s in (last, following) if s and not s.silent and s.end > s.start)
+            lender = next(beside, None)
             if lender is None or lender.label == sound.label:
                 continue
             part = int(SHARE * (lender.end - lender.start))

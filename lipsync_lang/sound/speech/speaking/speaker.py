@@ -290,17 +290,10 @@ class Speaker:
                     common = [name for name, _ in near.value]
                     found = {"common": common, "distance": near.distance, "loses": [*near.losses]}
                     automatic[label] = found
-        return {
-            "text": transcript.text,
-            "language": transcript.language,
-            "notation": transcript.notation,
-            "words": words,
-            "phonemes": list(transcript.phonemes),
-            "automatic": automatic,
-            "unmapped": list(transcript.unmapped),
-            "unread": list(transcript.unread),
-            "dropped": list(transcript.dropped),
-        }
+        whole = {name: getattr(transcript, name) for name in ("text", "language", "notation")}
+        whole |= {"words": words, "phonemes": list(transcript.phonemes), "automatic": automatic}
+        more = {name: list(getattr(transcript, name)) for name in ("unmapped", "unread", "dropped")}
+        return whole | more
 
     def speak(
         self, text: str, *, engine: str | None = None, words_per_minute: int | None = None

@@ -49,13 +49,10 @@ def find_words(
     for this, following in pairwise([*groups, len(marks)]):
         stop = marks[following][1] if following < len(marks) else len(labels)
         until = starts[following] if following < len(marks) else len(text)
-        first = marks[this][1]
-        while first < stop and labels[first] == SILENCE:
-            first += 1
-        while stop > first and labels[stop - 1] == SILENCE:
-            stop -= 1
-        if first == stop:
+        sounding = [n for n in range(marks[this][1], stop) if labels[n] != SILENCE]
+        if not sounding:
             continue
+        first, stop = sounding[0], sounding[-1] + 1
         start = starts[this]
         inside = [(max(a, start), min(b, until)) for a, b in tokens if b > start and a < until]
         # Tokens without a mark of their own belong to the word before.
