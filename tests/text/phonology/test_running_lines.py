@@ -31,7 +31,13 @@ assert len(ROWS) > 100
 INFLECTING = sorted(
     {one.name for one in LIBRARY.names("language") if b"\n      endings:" in one.path.read_bytes()}
 )
-OTHER_READINGS = {"slt": "salut", "Đ/c": "địa chỉ", "Πλ.": "Πλατεία|Πλατεία", "G.": "Ginoo"}
+OTHER_READINGS = {
+    "slt": "salut",
+    "Kap.": "Kapitel",
+    "Đ/c": "địa chỉ",
+    "Πλ.": "Πλατεία|Πλατεία",
+    "G.": "Ginoo",
+}
 """Spellings of ranks that mean something else without a name, too."""
 CURSING = sorted(
     {one.name for one in LIBRARY.names("language") if b"\n  curses:" in one.path.read_bytes()}
@@ -139,6 +145,21 @@ def test_a_rank_needs_no_name_before_a_mark(name):
     expansions = Expansions(replace(Speaker.of(name).manner.forms, rank_cases=()))
     for key, word in keys.items():
         assert [found.read for found in expansions.find(f"- {key}!")] == [word]
+
+
+def test_a_letter_behind_a_rank_is_an_initial_and_no_numeral():
+    read, expected = {}, {}
+    for one in LIBRARY.names("language"):
+        text = LIBRARY.language(one.name).model.text
+        books = text.ranks.keys() & {key[:-2] for key in text.abbreviations if key[-3:] == ". ~"}
+        expansions = Expansions(replace(Speaker.of(one.name).manner.forms, letters={}))
+        for book in books:
+            for name in ("L. Xxx", "V. Xxx", "C.D. Xxx", "L..."):
+                line = f"- {book} {name}"
+                expected[one.name, line] = [text.ranks[book]]
+                read[one.name, line] = [found.read for found in expansions.find(line)][:1]
+    assert read
+    assert read == expected
 
 
 @pytest.mark.parametrize(

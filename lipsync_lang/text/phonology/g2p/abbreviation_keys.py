@@ -72,6 +72,8 @@ _BEFORE_ALONE = re.compile(r"([^{}]+)\{1\}")
 _BEFORE_LAST = re.compile(r"(\{1[^{}]*\})?([^{}]*)\{[12][^{}]*\}")
 _CALL_SIGN = re.compile(r"(?<!\w)[^\W\d_]\w+ $")
 """The word before two digits that are read one by one, as in `Alpha 2-1`; it has a capital."""
+_AFTER_INITIAL = re.compile(r"\.(?:[ \u00a0]?([^\W\d_])|\.)")
+"""The rest of a name behind its initial; a speaker may break off."""
 _LISTED_NUMBER = re.compile(r"\d+\.?")
 _OTHER_DIGIT = re.compile(r"(?![0-9])\d")
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)*")
@@ -292,8 +294,11 @@ class AbbreviationKeys:
         best, read = None, ""
         for _, key in sorted(fitting):
             found = _expression(key).match(text, at)
-            no_numeral = key[0] == "~" and found and not roman(found[1])
-            if not found or no_numeral or (best and found.end() <= best.end()):
+            if not found or (best and found.end() <= best.end()):
+                continue
+            if key[0] == "~" and not roman(found[1]):
+                continue
+            if key.endswith(". ~") and self._before_initial(found, key[:-2]):
                 continue
             in_word = is_spaced(key[-1]) or key[-1] in ".'"
             after = text[found.end() : found.end() + 2]
@@ -314,6 +319,12 @@ class AbbreviationKeys:
             if words and (glued or not (in_word and is_spaced(after[:1]))):
                 best, read = found, words
         return best, read
+
+    def _before_initial(self, found: re.Match[str], title: str) -> bool:
+        """Return True before the `L` of `Cap. L. Ramos`; few books have fifty chapters."""
+        initial = found[1] in {"L", "C"} or "|" in self._expansions.get(title, "")
+        name = _AFTER_INITIAL.match(_seen_after(found)) if initial and len(found[1]) == 1 else None
+        return name is not None and not (name[1] or "").islower()
 
     def _case(self, found: re.Match[str], *, named: bool) -> Mapping[str, str] | None:
         """Return the endings of the first case that the text around a rank shows."""
