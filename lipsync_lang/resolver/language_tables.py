@@ -183,7 +183,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         if own is not None:
             known[spelling] = OwnWord(own.to, own.say)
     numerals, vowels = stated.numerals, shared.vowels if shared else ""
-    alike = ("beginnings", "letters", "repeated", "doubled", "hyphenated", "curses", "thousands")
+    alike = ("beginnings", "letters", "repeated", "joins", "doubled", "hyphenated", "curses")
     return SpokenForms(
         interjections=known,
         abbreviations=_listed(abbreviations_of(stated, vowels), stated.lists) | phrases,
@@ -191,11 +191,10 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         endings={last: dict(others) for last, others in stated.endings.items()},
         rank_cases=tuple((r.before, r.after, r.endings) for r in stated.rank_cases.values()),
         numbers={**stated.numbers, **stated.number_tables},
-        joins=stated.joins,
         numeral_words=numerals.words,
         **{name: getattr(numerals, name) for name in ("counted", "named", "ordinals")},
         **shared_forms,
-        **{name: getattr(stated, name) for name in (*alike, "decimal")},
+        **{name: getattr(stated, name) for name in (*alike, "thousands", "decimal")},
     )
 
 

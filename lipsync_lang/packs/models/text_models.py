@@ -139,8 +139,9 @@ class Numerals(Strict):
     """Words before an ordinal number: names of rulers. `king *` is `king` with any name."""
     ordinals: tuple[Text, ...] = ()
     """Ordinal numbers from 1; later ones are read as cardinal numbers."""
-    words: tuple[Text, ...] = ()
-    """Numerals that are words too, such as the English `I`: no numeral before a small letter."""
+    words: Annotated[dict[Text, tuple[Text, ...] | None], OrNames] = Field(default={})
+    """Numerals that are words too, such as the English `I`: no numeral before a small letter, but
+    for the small words stated, as in `I: [of]`."""
 
 
 def _each_spelling(value: Data) -> Data:

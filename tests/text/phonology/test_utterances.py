@@ -128,9 +128,15 @@ def test_capitals_are_spelled_if_all_have_names():
 
 
 def test_capitals_of_syllables_are_words_and_those_with_a_vowel_where_all_is_shouted():
-    forms = SpokenForms(letters={"O": "o", "R": "er", "T": "te"})
-    read = [one.read for one in Expansions(forms).find("a TORO OTR. OTTO, TRO! RT! RO и TO")]
+    forms = SpokenForms(letters={"O": "o", "R": "er", "T": "te"}, vowels="o")
+    read = [one.read for one in Expansions(forms).find("a TORO OTR. OTTO, TRO! RT! RO и TO, x OOT")]
     assert read == ["o te er", "er te", "er o", "te o"]
+
+
+def test_a_numeral_that_is_a_word_is_one_where_a_sentence_goes_on():
+    forms = SpokenForms(named=("henry",), ordinals=("the first",), numeral_words={"I": ("of",)})
+    text = "Henry I of Blois, Henry I. When I met Henry I offered him a drink, Henry I said."
+    assert [one.start for one in Expansions(forms).find(text)] == [6, 24]
 
 
 def test_keys_are_whole_words():

@@ -492,17 +492,13 @@ _AFTER_NAME = re.compile(
 _AFTER_OTHER_NAME = re.compile(r"(?<!\w)[Ά-ΩЀ-Я][ά-ώа-џґ]+ (?P<numeral>[IVX]{1,7})(?!\w)" + _DOT)
 """A name in other letters, where no numeral is a word or a letter."""
 _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
-_IN_SENTENCE = re.compile(r"\s+(?!of\b)[a-z]")
-"""The rest of a sentence behind a pronoun; "of" stands behind a numeral."""
-
 _CAPITALS = re.compile(
-    rf"(?<![{_LATIN_LETTERS}])(?![A-Z]+([A-Z])\1|[AEIOU]{{2}})[A-Z]{{1,5}}(?![{_LATIN_LETTERS}'’])"
+    rf"(?<![{_LATIN_LETTERS}])(?![A-Z]+([A-Z])\1)[A-Z]{{1,5}}(?![{_LATIN_LETTERS}'’])"
 )
-"""Capitals of an abbreviation; sounds are none, such as `PSST`, `AAH` and `OI`."""
+"""Capitals of an abbreviation; sounds are none, such as `PSST` and `GRRR`."""
 
-_VOWEL_CAPITAL = re.compile("[AEIOUY]")
-_SYLLABLES = re.compile("(?=....)[^AEIOUY]?(?:[AEIOUY]{1,2}[^AEIOUY])+[AEIOUY]{,2}")
-"""Four letters or more with a vowel beside each consonant, as in `SALE` and `TIDAK`."""
+_SYLLABLES = re.compile("vv.*|(?=....)c?(?:vv?c)+v{,2}")
+"""Two vowels, as in `AAH` and `OI`, or a vowel beside each consonant, as in `SALE` and `TIDAK`."""
 
 _RUBY_TEXT = re.compile(
     "(?:[｜|](?P<marked>[^｜|《》\n]{1,40})|(?P<hanzi>[\u3400-\u9fff々〆ヶ]{1,40}))"
@@ -539,17 +535,18 @@ class Expansions:
         return AbbreviationKeys(self._forms)
 
     def _spelled(self, text: str) -> Iterator[Replacement]:
-        """Yield capitals in a row as the names of their letters; `PSST` and `GRRR` are none.
+        """Yield capitals in a row as the names of their letters.
 
         Those that could be syllables are words, and in a sentence that is all capitals, those with
         any vowel: `AYO KITA PERGI!`.
         """
-        names = self._forms.letters
+        names, vowels = self._forms.letters, self._forms.vowels
         for sentence in re.finditer("[^.!?…\n]+", text) if names else ():
             shouted = all(map(str.isupper, filter(str.isalpha, sentence[0])))
             for one in _CAPITALS.finditer(text, *sentence.span()):
                 known = one[0].lower() in self._forms.interjections or one[0] in self._forms.words
-                word = known or (_VOWEL_CAPITAL.search if shouted else _SYLLABLES.fullmatch)(one[0])
+                shape = "".join("cv"[letter in vowels] for letter in one[0].lower())
+                word = known or ("v" in shape if shouted else _SYLLABLES.fullmatch(shape))
                 if not word and names.keys() >= set(one[0]):
                     yield Replacement(*one.span(), " ".join(names[letter] for letter in one[0]))
 
@@ -574,10 +571,18 @@ class Expansions:
                 number = roman(one["numeral"])
                 ordinal = 0 < number <= len(ordinals)
                 read = ordinals[number - 1] if ordinal else self._keys.respelled(str(number))
-                in_sentence = _IN_SENTENCE.match(text, one.end("numeral"))
-                word = in_sentence and one["numeral"] in self._forms.numeral_words
+                word = self._pronouns.match(text, one.start("numeral"))
                 if number and not (word or (bare and one[0][0].islower())):
                     yield Replacement(one.start("numeral"), one.end(), read)
+
+    @cached_property
+    def _pronouns(self) -> re.Pattern[str]:
+        """Expression for numerals that are words where a sentence goes on, unlike `Henry I of`."""
+        found = (
+            word + "".join(rf"(?!\s+{re.escape(one)}\b)" for one in behind or ())
+            for word, behind in self._forms.numeral_words.items()
+        )
+        return re.compile(rf"(?:{'|'.join(found) or '(?!)'})(?=\s+[a-z])")
 
     @cached_property
     def _numerals(self) -> list[tuple[re.Pattern[str], tuple[str, ...]]]:

@@ -39,7 +39,7 @@ class SpokenForms:
     counted: tuple[str, ...] = ()
     named: tuple[str, ...] = ()
     ordinals: tuple[str, ...] = ()
-    numeral_words: tuple[str, ...] = ()
+    numeral_words: Mapping[str, Sequence[str] | None] = field(default_factory=dict)
     doubled: tuple[str, ...] = ()
     hyphenated: tuple[str, ...] = ()
     vowels: str = ""
