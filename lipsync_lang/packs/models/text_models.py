@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
@@ -139,6 +139,9 @@ class Numerals(Strict):
     """Words before an ordinal number: names of rulers. `king *` is `king` with any name."""
     ordinals: tuple[Text, ...] = ()
     """Ordinal numbers from 1; later ones are read as cardinal numbers."""
+    like: dict[Literal["~", "~."], Annotated[str, Field(pattern="#")]] = Field(default={})
+    """The digits whose reading a numeral of two letters or more has before a word: with
+    `"~.": "#."`, `im II. Stock` is read like `im 2. Stock`."""
     words: Annotated[dict[Text, tuple[Text, ...] | None], OrNames] = Field(default={})
     """Numerals that are words too, such as the English `I`: no numeral before a small letter, but
     for the small words stated, as in `I: [of]`."""

@@ -6,7 +6,7 @@ import pytest
 
 from lipsync_lang import SpeechError
 from lipsync_lang.text.phonology.g2p import SpokenWord, abbreviation_keys
-from lipsync_lang.text.phonology.g2p.abbreviation_keys import Expansions, roman
+from lipsync_lang.text.phonology.g2p.abbreviation_keys import Expansions, respelled, roman
 from lipsync_lang.text.phonology.g2p.spoken_forms import OwnWord, SpokenForms
 from lipsync_lang.text.phonology.g2p.tokens import read_words
 from lipsync_lang.text.phonology.g2p.utterances import Utterances
@@ -137,6 +137,22 @@ def test_a_numeral_that_is_a_word_is_one_where_a_sentence_goes_on():
     forms = SpokenForms(named=("henry",), ordinals=("the first",), numeral_words={"I": ("of",)})
     text = "Henry I of Blois, Henry I. When I met Henry I offered him a drink, Henry I said."
     assert [one.start for one in Expansions(forms).find(text)] == [6, 24]
+
+
+def test_a_numeral_before_a_word_is_read_as_its_digits():
+    keys = {"im #. *": "im {1:nth}n {2}", "#. *": "{1:nth}r {2}"}
+    forms = SpokenForms(
+        abbreviations=keys, numbers={"nth": ("erste", "zweite")}, numerals_like={"~.": "#."}
+    )
+    said = {
+        "Da, im II. Stock.": "Da, im zweiten Stock.",
+        "Der II. Stock": "Der zweiter Stock",
+        "Teil II. Das geht": "Teil II. Das geht",
+        "Teil II ist da": "Teil II ist da",
+        "im XXX. Stock": "im 30n Stock",
+    }
+    for text, read in said.items():
+        assert respelled(text, Expansions(forms).find(text)) == read
 
 
 def test_keys_are_whole_words():

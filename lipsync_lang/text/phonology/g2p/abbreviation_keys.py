@@ -491,6 +491,9 @@ _AFTER_NAME = re.compile(
 )
 _AFTER_OTHER_NAME = re.compile(r"(?<!\w)[Ά-ΩЀ-Я][ά-ώа-џґ]+ (?P<numeral>[IVX]{1,7})(?!\w)" + _DOT)
 """A name in other letters, where no numeral is a word or a letter."""
+_BEFORE_WORD = re.compile(
+    r"(?P<name>[^\W\d_a-zß-ÿа-џ]\w{3,} )?(?<!\w)(?P<numeral>[IVX]{2,7})(?P<dot>\.?)(?= [^\W\d_]{2})"
+)
 _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
 _CAPITALS = re.compile(
     rf"(?<![{_LATIN_LETTERS}])(?![A-Z]+([A-Z])\1)[A-Z]{{1,5}}(?![{_LATIN_LETTERS}'’])"
@@ -524,7 +527,8 @@ class Expansions:
             for one in (_RUBY_TEXT.finditer(text) if "《" in text else ())
         )
         keys = self._keys.find(text)
-        replaced = (*ruby, *self._again(text), *keys, *self._roman(text), *self._spelled(text))
+        numerals = (*self._roman(text), *self._before_word(text))
+        replaced = (*ruby, *self._again(text), *keys, *numerals, *self._spelled(text))
         for one in sorted(replaced, key=lambda one: (one.start, -one.stop)):
             if not found or one.start >= found[-1].stop:
                 found.append(one)
@@ -574,6 +578,18 @@ class Expansions:
                 word = self._pronouns.match(text, one.start("numeral"))
                 if number and not (word or (bare and one[0][0].islower())):
                     yield Replacement(one.start("numeral"), one.end(), read)
+
+    def _before_word(self, text: str) -> Iterator[Replacement]:
+        """Yield Roman numerals before a word, read as digits are in their place: `II. Stock`."""
+        for one in _BEFORE_WORD.finditer(text) if self._forms.numerals_like else ():
+            (start, _), stop = one.span("numeral"), one.end()
+            like = self._forms.numerals_like.get(f"~{one['dot']}", "")
+            digits = like.replace("#", str(roman(one["numeral"]) or ""))
+            # `Otto II. Der` is a name, and `Der II. Stock` is none
+            read = digits != like and not one["name"]
+            for found in self._keys.find(text[:start] + digits + text[stop:]) if read else ():
+                if found.start <= start < found.stop:
+                    yield found._replace(stop=found.stop + stop - start - len(digits))
 
     @cached_property
     def _pronouns(self) -> re.Pattern[str]:

@@ -40,6 +40,7 @@ class SpokenForms:
     named: tuple[str, ...] = ()
     ordinals: tuple[str, ...] = ()
     numeral_words: Mapping[str, Sequence[str] | None] = field(default_factory=dict)
+    numerals_like: Mapping[str, str] = field(default_factory=dict)
     doubled: tuple[str, ...] = ()
     hyphenated: tuple[str, ...] = ()
     vowels: str = ""
