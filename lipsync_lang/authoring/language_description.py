@@ -39,6 +39,7 @@ def describe(library: Library, pack: Pack[models.Language]) -> dict[str, Any]:
         "speaks": speaks,
         "moves": ", ".join(f"{name} {value}" for name, value in moves.items()),
         "caveats": list(model.caveats),
+        "sources": dict(model.text.sources) if model.text else {},
         "notations": {
             name: [
                 {

@@ -48,6 +48,7 @@ def language_table(told: dict[str, Any]) -> str:
     if told["automatic"]:
         lines.append("automatic: unmapped IPA goes to the nearest common phonemes")
     lines += [f"note: {caveat}" for caveat in told["caveats"]]
+    lines += [f"written forms by {one}: {what}" for one, what in told["sources"].items()]
     for number, (name, rows) in enumerate(told["notations"].items()):
         lines.append(f"\n{name}: {len(rows)} labels")
         if number == 0:

@@ -204,6 +204,9 @@ class RankCase(Strict):
 class LanguageText(Strict):
     """Written forms of a language that its engine would misread."""
 
+    sources: dict[Text, Text] = Field(default={})
+    """Where the written forms come from, such as `CLDR`, a language authority or one person's
+    knowledge, each with what it states."""
     interjections: InterjectionTable = Field(default={})
     """The sounds of interjections by their shortest spelling. A letter may be repeated more often,
     and a spelling that is one part twice, such as `haha`, as a whole. Null removes a shared one."""

@@ -259,6 +259,7 @@ def test_written_forms_are_spelled_as_texts_are(name):
     model = LIBRARY.language(name).model
     split = [normalize("NFC", letter) for letter in (model.g2p.letters if model.g2p else ())]
     stated = model.text.abbreviations | model.text.ranks if model.text else {}
+    assert not stated or model.text.sources, "say where the written forms come from"
     assert not [key for pair in stated.items() for key in pair if any(map(key.__contains__, split))]
 
 
