@@ -289,11 +289,8 @@ def _annotated_labels(language: Pack[models.Language]) -> Iterator[Fault]:
     model = language.model
     notations = {name: notation_of(model, name) for name in model.notations}
     first = {name: notations[name] for name in [*model.notations][:1]}
-    for name, labels, known in (
-        ("examples", model.examples, first),
-        ("reasons", model.reasons, notations),
-    ):
-        for label in labels:
+    for name, known in (("examples", first), ("reasons", notations)):
+        for label in getattr(model, name):
             if not any(notation.find(label) is not None for notation in known.values()):
                 where = "in no notation" if len(known) > 1 else "not in the first notation"
                 what = f"'{label}' is {where}"

@@ -115,14 +115,12 @@ class OtherScripts:
             spans.append([match.span() for match in _PHRASE.finditer(shape)])
         pairs = [(line, span) for line, found in zip(lines, spans, strict=True) for span in found]
         self._judge({_judged(line.text[slice(*span)]) for line, span in pairs})
-        spelled_spans: list[TextSpans] = []
-        for line, found in zip(lines, spans, strict=True):
-            spelled_spans.append([])
+        spelled_spans: list[TextSpans] = [[] for _ in lines]
+        for line, found, spelled in zip(lines, spans, spelled_spans, strict=True):
             for span in found:
                 phrase = line.text[slice(*span)]
                 is_spelled = self._spells[_judged(phrase)]
-                if is_spelled:
-                    spelled_spans[-1].append(span)
+                spelled.extend([span] if is_spelled else [])
                 for word in (piece.text for piece in pieces(phrase)):
                     if any(map(script, word)) and not self._speaker.has_entry(word):
                         short = len(word) <= MAX_PHRASE_CHARS

@@ -134,14 +134,12 @@ def _rows(
     while len(faults) < (MAX_FAULTS if head else 1):
         lines.row.clear()
         try:
-            row = next(rows, None)
+            row, wrong = next(rows, None), ""
         except csv.Error:
             # Quotes within quotes, such as `"a "b" c"`; the line's end is kept only if one is open.
             cells = _cells(lines.row[0][1], delimiter) if len(lines.row) == 1 else []
             row = cells if cells and not cells[-1].endswith("\n") else None
             wrong = "" if row else _open_quote(lines)
-        else:
-            wrong = ""
         if row is None and not wrong:
             break
         number = lines.row[0][0]

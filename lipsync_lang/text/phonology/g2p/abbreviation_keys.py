@@ -12,7 +12,7 @@ of other scripts are 0 to 9.
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -36,8 +36,8 @@ _ROMAN = re.compile(
 )
 _VALUES = {"I": 1, "V": 5, "X": 10, "L": 50, "C": 100, "D": 500, "M": 1000}
 
-_UNSPACED_SCRIPTS = (("\u3040", "\u30ff"), ("\u3400", "\u9fff"), ("\uac00", "\ud7af"))
-"""First and last character of scripts that put no spaces between words, or are treated so."""
+_UNSPACED_RANGES = "\u3040-\u30ff\u3400-\u9fff\uac00-\ud7af"
+"""Characters of scripts that put no spaces between words, or are treated so."""
 
 _UNSPACED_LETTER = re.compile("[\u0e00-\u0eff]")
 """A letter of a script that puts spaces between clauses, and none after an abbreviation."""
@@ -45,7 +45,6 @@ _UNSPACED_LETTER = re.compile("[\u0e00-\u0eff]")
 _SIGNS = str.maketrans("#\u2212٪٫٬״׳", "№-%.,\"'")
 """Signs of a text, and those of the keys that serve them."""
 
-_UNSPACED_RANGES = "".join(f"{low}-{high}" for low, high in _UNSPACED_SCRIPTS)
 _SIGNED_DIGIT = rf"(?<![^\s(\[{{=<>~|«“„\"'、。，：；！？（「{_UNSPACED_RANGES}])-(?=\d)"
 """A minus; a hyphen behind a word, as in `F-16`, is none."""
 
@@ -387,10 +386,10 @@ def _digits(grouped: re.Match[str]) -> str:
     return re.sub(r"\D", "", grouped[0])
 
 
+@lru_cache(10_000)
 def is_spaced(char: str) -> bool:
     """Return True for a letter, mark or digit of a script that puts spaces between words."""
-    spaced = not any(low <= char <= high for low, high in _UNSPACED_SCRIPTS)
-    return spaced and any(map(counts, char))
+    return not re.match(f"[{_UNSPACED_RANGES}]", char) and any(map(counts, char))
 
 
 def _either(key: str) -> str:
@@ -478,10 +477,6 @@ _OPEN_KEYS = (*_RANGE_KEYS, "# x #", "# × #", "≈ #", "± #", "= #", "-#")
 _OPEN_PATTERNS = frozenset(_expression(key).pattern for key in _OPEN_KEYS)
 """Keys whose last number may have a unit behind it."""
 
-
-MAX_ROMAN_CHARS = 12
-"""Maximum number of letters of a Roman numeral."""
-
 _DOT = r"(?P<dot>\.(?= +[^\W\d_A-ZÀ-Þ]))?"
 """The full stop of an ordinal number, as in `Karl V. war`."""
 
@@ -494,6 +489,7 @@ _AFTER_OTHER_NAME = re.compile(r"(?<!\w)[Ά-ΩЀ-Я][ά-ώа-џґ]+ (?P<numeral>
 _BEFORE_WORD = re.compile(
     r"(?P<name>[^\W\d_a-zß-ÿа-џ]\w{3,} )?(?<!\w)(?P<numeral>[IVX]{2,7})(?P<dot>\.?)(?= [^\W\d_]{2})"
 )
+_NEXT_WORD = re.compile(r"\s+([a-z]+)")
 _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
 _CAPITALS = re.compile(
     rf"(?<![{_LATIN_LETTERS}])(?![A-Z]+([A-Z])\1)[A-Z]{{1,5}}(?![{_LATIN_LETTERS}'’])"
@@ -572,10 +568,12 @@ class Expansions:
                 beside = text[max(one.start() - 1, 0) : one.start()], text[one.end("numeral") :][:1]
                 if not bare and any(map(is_spaced, beside)):
                     continue
-                number = roman(one["numeral"])
+                numeral, words = one["numeral"], self._forms.numeral_words
+                number = roman(numeral)
                 ordinal = 0 < number <= len(ordinals)
                 read = ordinals[number - 1] if ordinal else self._keys.respelled(str(number))
-                word = self._pronouns.match(text, one.start("numeral"))
+                next_word = _NEXT_WORD.match(text, one.end("numeral")) if numeral in words else None
+                word = next_word and next_word[1] not in (words[numeral] or ())
                 if number and not (word or (bare and one[0][0].islower())):
                     yield Replacement(one.start("numeral"), one.end(), read)
 
@@ -592,19 +590,10 @@ class Expansions:
                     yield found._replace(stop=found.stop + stop - start - len(digits))
 
     @cached_property
-    def _pronouns(self) -> re.Pattern[str]:
-        """Expression for numerals that are words where a sentence goes on, unlike `Henry I of`."""
-        found = (
-            word + "".join(rf"(?!\s+{re.escape(one)}\b)" for one in behind or ())
-            for word, behind in self._forms.numeral_words.items()
-        )
-        return re.compile(rf"(?:{'|'.join(found) or '(?!)'})(?=\s+[a-z])")
-
-    @cached_property
     def _numerals(self) -> list[tuple[re.Pattern[str], tuple[str, ...]]]:
         """Expressions for Roman numerals, and the ordinal numbers that replace them."""
         forms = self._forms
-        numeral = rf"(?P<numeral>[IVXLCDM]{{1,{MAX_ROMAN_CHARS}}})(?![A-Za-z'’])"
+        numeral = r"(?P<numeral>[IVXLCDM]{1,12})(?![A-Za-z'’])"
         found: list[tuple[re.Pattern[str], tuple[str, ...]]] = []
         for words, ordinals in ((forms.named, forms.ordinals), (forms.counted, ())):
             if words:

@@ -152,7 +152,6 @@ def paired(
     if len(written) != len(spoken) and _matched(text, tokens, whole, lengths) is not None:
         spoken, written = [whole], [tokens]
     if len(written) != len(spoken):
-        written = [tokens] if tokens else []
         yield from _said(_between(text, tokens), whole)
         return
     for number, (words, part) in enumerate(zip(spoken, written, strict=True)):

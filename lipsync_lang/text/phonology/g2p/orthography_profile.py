@@ -141,17 +141,16 @@ def profile_rows(path: Path, column: str = SOUNDS) -> Iterator[ProfileRow]:
 
 def _row(number: int, grapheme: str, sounds: str, column: str) -> ProfileRow:
     if not grapheme:
-        return ProfileRow(
-            number, wrong="the grapheme is empty", mend="write it, or delete the line"
-        )
-    if len(grapheme) > MAX_GRAPHEME_CHARS or any(map(str.isspace, grapheme)):
+        wrong, mend = "the grapheme is empty", "write it, or delete the line"
+    elif len(grapheme) > MAX_GRAPHEME_CHARS or any(map(str.isspace, grapheme)):
         wrong = f"{grapheme[: 2 * MAX_GRAPHEME_CHARS]!r} is no grapheme"
         mend = f"write at most {MAX_GRAPHEME_CHARS} characters of one word"
-        return ProfileRow(number, wrong=wrong, mend=mend)
-    if not sounds:
+    elif not sounds:
+        wrong = f"'{grapheme}' has no sounds"
         mend = f"write its sounds under `{column}`, or {MUTE} if it is mute"
-        return ProfileRow(number, wrong=f"'{grapheme}' has no sounds", mend=mend)
-    return ProfileRow(number, grapheme, tuple(one for one in sounds.split() if one != MUTE))
+    else:
+        return ProfileRow(number, grapheme, tuple(one for one in sounds.split() if one != MUTE))
+    return ProfileRow(number, wrong=wrong, mend=mend)
 
 
 def _plain(text: str) -> str:
