@@ -277,10 +277,8 @@ def _tests(language: Pack[models.Language], shades: Mapping[str, models.Shade]) 
             yield language.fault(loc, "P218", what, notation.suggest(label))
         heard = [n for label in test.ipa.split() for n, _ in notation.find(label) or ()]
         if test.ipa and not unknown and not test.accepts(heard, shades):
-            what = (
-                f"/{test.ipa}/ becomes {' '.join(heard)}, not {' '.join(test.phonemes)}, "
-                f"in the test of '{test.text}'"
-            )
+            becomes = f"/{test.ipa}/ becomes {' '.join(heard)}, not {' '.join(test.phonemes)}"
+            what = f"{becomes}, in the test of '{test.text}'"
             yield test_fault(language, index, what, "correct the map or the test", IPA)
 
 

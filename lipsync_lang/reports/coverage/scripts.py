@@ -237,11 +237,10 @@ class EntryWords:
         words = [one.what for one in self._all.tallies()[:MAX_COMPARED_WORDS]]
         heard = []
         for engine in (manner.engine, manner.settings.otherwise):
-            other = type(self._speaker)(
-                replace(manner, engine=engine, settings=settings), self._speaker.notations
-            )
+            other = replace(manner, engine=engine, settings=settings)
             try:
-                heard.append([one.phonemes for one in other.transcribe(words)])
+                speaker = type(self._speaker)(other, self._speaker.notations)
+                heard.append([one.phonemes for one in speaker.transcribe(words)])
             except LipsyncError:
                 return frozenset()  # the library of one engine is not installed
         pairs = zip(words, *heard, strict=True)

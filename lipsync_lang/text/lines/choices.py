@@ -153,16 +153,14 @@ def _first_choice(
     ends = _ends(text)
     while (start := text.find("{", at)) >= 0:
         inner = text[start + 1 : ends.get(start, start)]
-        icu, fluent = ICU.match(inner), FLUENT.match(inner)
+        icu, fluent, found = ICU.match(inner), FLUENT.match(inner), dict[str, str]()
         if icu and icu[1] not in values:
             branches = _icu_branches(inner[icu.end() :]) or {}
             found = {form: one.replace("#", f"{{{icu[1]}}}") for form, one in branches.items()}
-            if found:
-                return start, ends[start] + 1, found
         elif fluent and fluent[1] not in values:
-            found = _fluent_variants(inner[fluent.end() :])[0]
-            if found:
-                return start, ends[start] + 1, found
+            found, _ = _fluent_variants(inner[fluent.end() :])
+        if found:
+            return start, ends[start] + 1, found
         at = start + 1
     return None
 

@@ -69,10 +69,9 @@ def stated_column(source: "LineFile", head: Sequence[str], asked: str) -> int:
         return folded.index(asked.casefold())
     if asked.isdecimal() and 1 <= int(asked) <= len(head):
         return int(asked) - 1
-    if folded_language(asked) in map(folded_language, source.names):
-        at = language_column(head, source.names)
-        if at >= 0:
-            return at
+    own = folded_language(asked) in map(folded_language, source.names)
+    if own and (at := language_column(head, source.names)) >= 0:
+        return at
     near = get_close_matches(asked, head, 1, LIKENESS)
     hint = f"; did you mean '{near[0]}'?" if near else ""
     raise lacking(source, head, f"has no column '{asked}'{hint}")
@@ -86,15 +85,12 @@ def known_column(
     taken: Collection[int] = (),
 ) -> int:
     """Return the index of the stated column, or of the one with the first known name, or -1."""
-    if asked is None:
-        return first_column(head, known, taken)
-    return stated_column(source, head, asked)
+    return first_column(head, known, taken) if asked is None else stated_column(source, head, asked)
 
 
 def text_column(head: Sequence[str]) -> int:
     """Return the index of the column that is most likely the text in any language, or -1."""
-    known = first_column(head, TEXT_COLUMNS)
-    if known >= 0:
+    if (known := first_column(head, TEXT_COLUMNS)) >= 0:
         return known
     others = (*NAME_COLUMNS, *SPEAKER_COLUMNS)
     other = [at for at, name in enumerate(head) if name.casefold() not in others]

@@ -279,9 +279,7 @@ def read_lines(  # noqa: PLR0913 the files, and options by keyword
     tables = (file == STANDARD_STREAM or _format_of(file).table is not None for file, _ in found)
     if column is not None and not any(tables):
         remark(f"`column={column!r}`: not used, because no file is a table")
-    stated = LineFile(
-        Path(), remark, column, encoding, None, cleaning, tuple(names), speaker, layout
-    )
+    stated = LineFile(Path(), remark, column, encoding, None, cleaning, (*names,), speaker, layout)
     return _read(found, stated)
 
 

@@ -64,9 +64,8 @@ def by_clauses(
             lengths[one] = sum(map(len, found))
 
     def read(texts: Sequence[str]) -> Iterator[Iterator[SpokenWord]]:
-        count(
-            {p.text for text in texts for p in pieces(text) if p.kind != "pause" and not _surely(p)}
-        )
+        said = (piece for text in texts for piece in pieces(text) if piece.kind != "pause")
+        count({piece.text for piece in said if not _surely(piece)})
         clauses = list(transcribe(texts))
         for text, found in zip(texts, clauses, strict=True):
             count({pair for said in paired(text, found, lengths) for pair in _pairs(said.text)})

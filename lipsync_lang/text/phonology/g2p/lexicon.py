@@ -38,10 +38,8 @@ _WORD_BREAK = re.compile(r"-|'")
 def engine(settings: Settings) -> G2PEngine:
     """Read text with a lexicon."""
     if settings.file is None:
-        raise SpeechError(
-            f"{settings.language} reads by a lexicon, but names none: "
-            "state it as `g2p: {engine: lexicon, file: words.tsv}`"
-        )
+        hint = "state it as `g2p: {engine: lexicon, file: words.tsv}`"
+        raise SpeechError(f"{settings.language} reads by a lexicon, but names none: {hint}")
     words = read_lexicon(settings.file)
     rewriter = Rewriter(settings.rules, settings.labels) if settings.rules else None
 
@@ -63,9 +61,8 @@ def engine(settings: Settings) -> G2PEngine:
 
 def read_lexicon(path: Path) -> dict[str, tuple[str, ...]]:
     """Read a lexicon: words in plain spelling, and the labels of each."""
-    text = input_text(
-        path, MAX_LEXICON_BYTES, error=SpeechError, mend="keep the words that are said"
-    )
+    mend = "keep the words that are said"
+    text = input_text(path, MAX_LEXICON_BYTES, error=SpeechError, mend=mend)
     words: dict[str, tuple[str, ...]] = {}
     likeliest: dict[str, float] = {}
     for number, line in enumerate(text.splitlines(), start=1):

@@ -101,9 +101,8 @@ def profile_rows(path: Path, column: str = SOUNDS) -> Iterator[ProfileRow]:
 
     Raise `SpeechError` if the file cannot be read as text.
     """
-    text = input_text(
-        path, MAX_PROFILE_BYTES, error=SpeechError, mend="keep one line for each grapheme"
-    )
+    mend = "keep one line for each grapheme"
+    text = input_text(path, MAX_PROFILE_BYTES, error=SpeechError, mend=mend)
     places: list[int] = []
     first: dict[str, int] = {}
     # Lines end as in all files; `splitlines` would also cut at rarer characters.
@@ -134,9 +133,8 @@ def profile_rows(path: Path, column: str = SOUNDS) -> Iterator[ProfileRow]:
         first.setdefault(row.grapheme, number)
         yield row
     if not first:
-        yield ProfileRow(
-            1, wrong="there are no graphemes", mend="write one a line, with its sounds"
-        )
+        mend = "write one a line, with its sounds"
+        yield ProfileRow(1, wrong="there are no graphemes", mend=mend)
 
 
 def _row(number: int, grapheme: str, sounds: str, column: str) -> ProfileRow:

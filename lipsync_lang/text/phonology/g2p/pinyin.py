@@ -77,10 +77,8 @@ class _TextChunk(NamedTuple):
 def engine(settings: Settings) -> G2PEngine:
     """Read Chinese text."""
     if not all(map(find_spec, ("pypinyin", "opencc"))):
-        raise SpeechError(
-            "reading Chinese needs pypinyin and OpenCC, which are not both installed; "
-            f"get them with: {install_line('mandarin')}"
-        )
+        what = "reading Chinese needs pypinyin and OpenCC, which are not both installed"
+        raise SpeechError(f"{what}; get them with: {install_line('mandarin')}")
 
     stated = [(_converter().convert(word), say) for word, say in settings.whole]
     own = (Rule(word, tuple(say.split())) for word, say in stated if TONED.fullmatch(say))

@@ -258,10 +258,8 @@ def compiled_readings(readings: Sequence[Rule]) -> tuple[StatedReading, ...]:
     for number, rule in enumerate(readings, start=1):
         where = f"reading {number} ('{rule.spelling}')"
         if len(rule.to) != len(rule.spelling):
-            raise SpeechError(
-                f"{where} has {len(rule.to)} syllables for {len(rule.spelling)} characters; "
-                "state one for each"
-            )
+            what = f"has {len(rule.to)} syllables for {len(rule.spelling)} characters"
+            raise SpeechError(f"{where} {what}; state one for each")
         around = Surroundings.compiled(rule.before, rule.after, f"{where}:")
         made.append(StatedReading(rule.spelling, rule.to, around))
     return tuple(made)

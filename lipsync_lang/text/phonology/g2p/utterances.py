@@ -201,9 +201,8 @@ class Utterances:
         if starts := starts_of(token.text, self._forms.vowels, self._hyphenated):
             length = sum(len(one) + 1 for one in starts)
             gone = Replacement(0, length, "")
-            return _PartStart(
-                start, stop, UtterancePart("", (gone,), starts=tuple((s, "") for s in starts))
-            )
+            part = UtterancePart("", (gone,), starts=tuple((s, "") for s in starts))
+            return _PartStart(start, stop, part)
         if halting := tuple(self._halting(tokens[number : number + 2 * MAX_HALTS + 1])):
             word = tokens[number + 2 * len(halting)].start
             gone = Replacement(0, word - start, "")
