@@ -192,7 +192,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
         rank_cases=tuple((r.before, r.after, r.endings) for r in stated.rank_cases.values()),
         numbers={**stated.numbers, **stated.number_tables},
         numeral_words=numerals.words,
-        numerals_like={**numerals.like},
+        numerals_like=numerals.like,
         **{name: getattr(numerals, name) for name in ("counted", "named", "ordinals")},
         **shared_forms,
         **{name: getattr(stated, name) for name in (*alike, "thousands", "decimal")},

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from typing import Annotated, Literal, Self
+from typing import Annotated, Self
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
@@ -130,6 +130,10 @@ StatedRules = Annotated[
 ]
 
 
+NumeralShape = Annotated[str, Field(pattern=r"^~\.?$")]
+"""A Roman numeral, or one with a full stop."""
+
+
 class Numerals(Strict):
     """Roman numerals, and the words before them."""
 
@@ -139,7 +143,7 @@ class Numerals(Strict):
     """Words before an ordinal number: names of rulers. `king *` is `king` with any name."""
     ordinals: tuple[Text, ...] = ()
     """Ordinal numbers from 1; later ones are read as cardinal numbers."""
-    like: dict[Literal["~", "~."], Annotated[str, Field(pattern="#")]] = Field(default={})
+    like: dict[NumeralShape, Annotated[str, Field(pattern="#")]] = Field(default={})
     """The digits whose reading a numeral of two letters or more has before a word: with
     `"~.": "#."`, `im II. Stock` is read like `im 2. Stock`."""
     words: Annotated[dict[Text, tuple[Text, ...] | None], OrNames] = Field(default={})
