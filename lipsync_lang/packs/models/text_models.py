@@ -147,8 +147,8 @@ class Numerals(Strict):
     """The digits whose reading a numeral of two letters or more has before a word: with
     `"~.": "#."`, `im II. Stock` is read like `im 2. Stock`."""
     words: Annotated[dict[Text, tuple[Text, ...] | None], OrNames] = Field(default={})
-    """Numerals that are words too, such as the English `I`: no numeral before a small letter, but
-    for the small words stated, as in `I: [of]`."""
+    """Numerals that are words too, such as the English `I`: no numeral before a small letter,
+    except before the words stated, as in `I: [of]`."""
 
 
 def _each_spelling(value: Data) -> Data:
@@ -209,8 +209,8 @@ class LanguageText(Strict):
     """Written forms of a language that its engine would misread."""
 
     sources: dict[Text, Text] = Field(default={})
-    """Where the written forms come from, such as `CLDR`, a language authority or one person's
-    knowledge, each with what it states."""
+    """Sources of the written forms, such as `CLDR`, a language authority or one person's knowledge,
+    each with what it states."""
     interjections: InterjectionTable = Field(default={})
     """The sounds of interjections by their shortest spelling. A letter may be repeated more often,
     and a spelling that is one part twice, such as `haha`, as a whole. Null removes a shared one."""
