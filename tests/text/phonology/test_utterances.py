@@ -6,7 +6,8 @@ import pytest
 
 from lipsync_lang import SpeechError
 from lipsync_lang.text.phonology.g2p import SpokenWord, abbreviation_keys
-from lipsync_lang.text.phonology.g2p.abbreviation_keys import Expansions, respelled, roman
+from lipsync_lang.text.phonology.g2p.abbreviation_keys import Expansions, respelled
+from lipsync_lang.text.phonology.g2p.number_words import roman
 from lipsync_lang.text.phonology.g2p.spoken_forms import OwnWord, SpokenForms
 from lipsync_lang.text.phonology.g2p.tokens import read_words
 from lipsync_lang.text.phonology.g2p.utterances import Utterances

@@ -17,7 +17,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from lipsync_lang.text.phonology.g2p.contexts import SEEN_LETTERS, Surroundings, compile_context
-from lipsync_lang.text.phonology.g2p.number_words import DIGITS, number_words
+from lipsync_lang.text.phonology.g2p.number_words import DIGITS, number_words, roman
 from lipsync_lang.text.phonology.g2p.spoken_forms import SpokenForms
 from lipsync_lang.text.phonology.g2p.tokens import counts
 
@@ -26,15 +26,6 @@ MAX_SCORE = 999
 
 SEEN_KEY_CHARS = 16
 """Number of characters examined on each side of an abbreviation."""
-
-_ROMAN = re.compile(
-    "M{0,3}"
-    + "".join(
-        f"(?:{one}{ten}|{one}{five}|{five}?{one}{{0,3}})"
-        for one, five, ten in ("CDM", "XLC", "IVX")
-    )
-)
-_VALUES = {"I": 1, "V": 5, "X": 10, "L": 50, "C": 100, "D": 500, "M": 1000}
 
 _UNSPACED_RANGES = "\u3040-\u30ff\u3400-\u9fff\uac00-\ud7af"
 """Characters of scripts that put no spaces between words, or are treated so."""
@@ -425,18 +416,6 @@ def _fits(found: re.Match[str], read: str, particle: re.Pattern[str] | None, end
 def _seen_after(found: re.Match[str]) -> str:
     """Return the start of the text after a match; the whole rest would be copied for each match."""
     return found.string[found.end() : found.end() + SEEN_KEY_CHARS]
-
-
-def roman(numeral: str) -> int:
-    """Return the value of a Roman numeral; 0 for any other text.
-
-    >>> roman("XIV"), roman("IIX")
-    (14, 0)
-    """
-    if not numeral or not _ROMAN.fullmatch(numeral):
-        return 0
-    values = [_VALUES[letter] for letter in numeral]
-    return sum(-v if v < after else v for v, after in zip(values, (*values[1:], 0), strict=True))
 
 
 @cache

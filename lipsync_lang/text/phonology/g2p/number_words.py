@@ -1,4 +1,4 @@
-"""Words of numbers that a pack puts together, as "vinte e un" of 20 and 1."""
+"""Words of numbers that a pack puts together, as "vinte e un" of 20 and 1, and Roman numerals."""
 
 import re
 from bisect import bisect_right
@@ -15,6 +15,15 @@ _DECIMAL = re.compile(r"\d+[.,]\d+")
 _POWERS = (10**9, 10**6, 1000, 100, 10)
 _OPTIONAL = re.compile(r"\[([^\[\]]*)\]")
 _PART = re.compile(r"(<<?|>>?)(?:\{([^{}]*)\})?")
+
+_ROMAN = re.compile(
+    "M{0,3}"
+    + "".join(
+        f"(?:{one}{ten}|{one}{five}|{five}?{one}{{0,3}})"
+        for one, five, ten in ("CDM", "XLC", "IVX")
+    )
+)
+_VALUES = {"I": 1, "V": 5, "X": 10, "L": 50, "C": 100, "D": 500, "M": 1000}
 
 Rules = Mapping[str, str]
 
@@ -77,3 +86,15 @@ def _words(rules: Rules, value: int, named: Mapping[str, Rules]) -> str:
         return _words(named.get(place[2], rules), rest if place[1][0] == ">" else quotient, named)
 
     return _PART.sub(part, _OPTIONAL.sub(r"\1" if rest else "", words))
+
+
+def roman(numeral: str) -> int:
+    """Return the value of a Roman numeral; 0 for any other text.
+
+    >>> roman("XIV"), roman("IIX")
+    (14, 0)
+    """
+    if not numeral or not _ROMAN.fullmatch(numeral):
+        return 0
+    values = [_VALUES[letter] for letter in numeral]
+    return sum(-v if v < after else v for v, after in zip(values, (*values[1:], 0), strict=True))
