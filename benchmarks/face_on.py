@@ -161,14 +161,30 @@ def compare_scores(real: Lips, animation: ll.Animation) -> dict[str, tuple[float
     return found
 
 
+def films_of(folder: Path) -> list[Path]:
+    """Return the films of a folder that have a text; exit with a reason if there are none."""
+    films = sorted(one for one in folder.glob("*") if one.suffix.lower() in KINDS)
+    found = [one for one in films if one.with_suffix(".txt").exists()]
+    if not found:
+        told = f"{folder} holds no films with a text (NAME.mp4 beside NAME.txt)"
+        if any(folder.glob("*_texts.tsv")):
+            told += "; its lips are tracked already, so compare them by benchmarks/mouths.py"
+        sys.exit(told)
+    return found
+
+
+def head_of(language: str, name: str) -> ll.Performer:
+    """Return a performer with a model; exit with a reason if there is none."""
+    found = ll.resolve(language, name)
+    if found.model is None:
+        sys.exit(f"{name} has no model to film; name a model with -c, as HEAD.glb")
+    return found
+
+
 def main(arguments: argparse.Namespace) -> int:
     """Print the table."""
-    films = sorted(one for one in arguments.folder.glob("*") if one.suffix.lower() in KINDS)
-    films = [one for one in films if one.with_suffix(".txt").exists()]
-    if not films:
-        print(f"{arguments.folder} holds no films with a text (NAME.mp4 beside NAME.txt)")
-        return 1
-    heads = [ll.resolve(arguments.language, one) for one in arguments.head]
+    films = films_of(arguments.folder)
+    heads = [head_of(arguments.language, one) for one in arguments.head]
     kept: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
     scores: dict[str, list[tuple[float, float, float]]] = defaultdict(list)
     folder = arguments.films or Path(mkdtemp(prefix="lipsync-lang-"))

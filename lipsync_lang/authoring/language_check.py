@@ -18,7 +18,7 @@ from lipsync_lang.base.errors import OutputError, did_you_mean
 from lipsync_lang.base.grouping import grouped
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.packs.checking.validate import validate
-from lipsync_lang.packs.finding import IPA
+from lipsync_lang.packs.finding import IPA, is_model
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.performing.performer import Performer
@@ -131,8 +131,11 @@ def check_language(library: Library, path: Path, character: str | None = None) -
 def mouths_of(library: Library, language: str, character: str) -> dict[str, str]:
     """Describe the target of each common phoneme: its poses with their weights, largest first."""
     from lipsync_lang.resolver.layers import PairPacks
+    from lipsync_lang.resolver.rigging import best_match
 
-    shelf = PairPacks.open(library, language, character)
+    match, on = best_match(library, Path(character)) if is_model(character) else (None, None)
+    name, has = (match.poseset, match.optional) if match else (character, ())
+    shelf = PairPacks.open(library, language, name, has, on)
     told = {}
     for phoneme, (target, _) in shelf.targets.items():
         weights = zip(target.weights.max(axis=0).tolist(), shelf.poses, strict=True)

@@ -78,7 +78,8 @@ def run(options: Namespace) -> int:
     for remark in _overriding(options, performer):
         print(remark, file=sys.stderr)
     # a model without a bone or shape of gestures that nobody asked for is no cause for a remark
-    for remark in dict.fromkeys(r for writer in writers.values() for r in writer.remarks(spoken)):
+    remarks = dict.fromkeys(r for writer in writers.values() for r in writer.remarks(spoken))
+    for remark in [one for one in remarks if one not in performer.compiled.report.idle]:
         print(as_options(remark), file=sys.stderr)
     if options.check:
         from lipsync_lang.reports.quality.check_animation import check

@@ -65,13 +65,12 @@ def resolve(  # noqa: PLR0913 two names, and options by keyword
     refuse_other("unknown", unknown, Unknown)
     if is_model(character):
         from lipsync_lang.packs.library import Library
-        from lipsync_lang.resolver.rigging import OtherModel, best_match, on_model
+        from lipsync_lang.resolver.rigging import best_match, on_model
 
         model = Path(character)
         (language,), folders = located(paths, language=language)
         library = Library(folders)
-        match = best_match(library, model)
-        on = OtherModel(model.absolute(), match.rig)
+        match, on = best_match(library, model)
         pair = _pair(language, match.poseset, folders, match.optional, on, cache=cache)
         compiled = on_model(library, pair, match, model)
     else:

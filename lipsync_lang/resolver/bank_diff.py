@@ -226,12 +226,10 @@ def _sampled(rows: Sequence[BigramRow], poses: int) -> Floats:
 def _trigrams(before: PairPacks, after: PairPacks) -> dict[str, tuple[Side, Side]]:
     """Return both sides of each trigram that either side draws and plays."""
     drawn = [drawn_trigrams(shelf) for shelf in (before, after)]
-    played = [
-        played_trigrams(shelf, own).values()
-        for shelf, own in zip((before, after), drawn, strict=True)
-    ]
+    both = zip((before, after), drawn, strict=True)
+    played = {triple for shelf, own in both for triple in played_trigrams(shelf, own).values()}
     found = {}
-    for triple in sorted({*played[0], *played[1]}):
+    for triple in sorted(played):
         old, new = (own.get(triple) for own in drawn)
         ends = _ends(new or old)
         sides = _trigram_side(before, triple, old, ends), _trigram_side(after, triple, new, ends)

@@ -80,12 +80,9 @@ def stated(shelf: PairPacks, row: BigramRow) -> str | None:
     """
     for file in shelf.drawn:
         if row.place is not None and file.path == row.place.file:
-            own = file.rows.get(row.origin.pair)
-            if own is not None and own.place == row.place:
-                return "-".join(row.origin.pair)
-            return next(
-                ("-".join(p) for p, one in file.rows.items() if one.place == row.place), None
-            )
+            stating = [pair for pair, one in file.rows.items() if one.place == row.place]
+            own = [pair for pair in stating if pair == row.origin.pair]
+            return next(map("-".join, own or stating), None)
     return None
 
 
@@ -108,13 +105,11 @@ def target_curves(shelf: PairPacks, pair: Pair, boundary: float) -> dict[int, Fl
         return {}
     first, second = (shelf.targets[phoneme][0].weights for phoneme in pair)
     times = [*_middles(len(first), 0, boundary), *_middles(len(second), boundary, 1)]
-    weights = np.concatenate((first, second))
-    ends = np.zeros((1, weights.shape[1]))
-    values = np.concatenate((ends, weights, ends))
+    values = np.pad(np.concatenate((first, second)), ((1, 1), (0, 0)))
     at = np.array([0, *times, 1])
     return {
         int(pose): np.column_stack((at, values[:, pose]))
-        for pose in np.flatnonzero(weights.any(axis=0))
+        for pose in np.flatnonzero(values.any(axis=0))
     }
 
 

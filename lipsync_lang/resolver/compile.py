@@ -496,12 +496,8 @@ def _report(shelf: PairPacks, rows: PairRows, shorts: Sequence[Fault]) -> Report
     }
 
     def by_layer(some: list[Origin]) -> dict[str, dict[str, int]]:
-        counts = Counter((o.layer, o.status) for o in some)
-        return {
-            layer: {status: n for (one, status), n in sorted(counts.items()) if one == layer}
-            for layer in LAYERS
-            if any(one == layer for one, _ in counts)
-        }
+        own = grouped((o.layer, o.status) for o in some)
+        return {one: dict(sorted(Counter(own[one]).items())) for one in LAYERS if one in own}
 
     return Report(
         language=shelf.language.model.name,
@@ -517,7 +513,7 @@ def _report(shelf: PairPacks, rows: PairRows, shorts: Sequence[Fault]) -> Report
         gaps=tuple("-".join(o.pair) for o in spoken if o.layer == "gap"),
         automatic=shelf.language.model.automatic,
         warnings=tuple(map(str, warnings)),
-        idle=tuple(map(str, idle)),
+        idle=(*map(str, idle), *(shelf.solved.doubts if shelf.solved else ())),
         styles={style: dict(sorted(count.items())) for style, count in drawn.items()},
         trigrams={"-".join(triple): row.origin.layer for triple, (row, _) in rows.halves.items()},
     )

@@ -71,7 +71,7 @@ class Report:
     """True if unmapped labels go to the nearest common phonemes by features."""
     warnings: tuple[str, ...] = ()
     idle: tuple[str, ...] = ()
-    """Warnings of mouths of the character that have no effect."""
+    """Warnings of mouths of the character that have no effect, and of shapes of its model."""
     styles: dict[str, dict[str, int]] = field(default_factory=dict)
     """Bigrams of each style by status, with silence; all others are neutral's."""
     trigrams: dict[str, str] = field(default_factory=dict)

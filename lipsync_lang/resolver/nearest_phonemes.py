@@ -239,12 +239,10 @@ def disagreements(
 
     A shade and its parent do not differ. `decided` are the decisions of the IPA pack.
     """
-    rows = []
-    for label, sounds in language.notations.get(IPA, {}).items():
-        if not _agrees(near, label, sounds.value):
-            reason = reason_for(language, near, label, decided)
-            rows.append(Disagreement(label, sounds.value, near.value(label) or (), reason))
-    return rows
+    table = language.notations.get(IPA, {})
+    rows = [(label, sounds.value, near.value(label) or ()) for label, sounds in table.items()]
+    differ = (row for row in rows if not _agrees(near, *row[:2]))
+    return [Disagreement(*row, reason_for(language, near, row[0], decided)) for row in differ]
 
 
 def reason_for(
@@ -281,12 +279,11 @@ def _agrees(near: NearestPhonemes, label: str, stated: Value) -> bool:
 
 def fights(language: "models.Language", near: NearestPhonemes) -> list[tuple[str, list[str]]]:
     """List the IPA labels mapped against their features without a stated reason."""
-    rows = []
-    for label, sounds in language.notations.get(IPA, {}).items():
-        against = near.fights(label, sounds.to) if label not in language.reasons else []
-        if against:
-            rows.append((label, against))
-    return rows
+    table = language.notations.get(IPA, {}).items()
+    rows = [
+        (one, near.fights(one, sounds.to)) for one, sounds in table if one not in language.reasons
+    ]
+    return [(label, against) for label, against in rows if against]
 
 
 def _shown(value: Value, parents: Mapping[str, str]) -> list[str]:

@@ -53,32 +53,31 @@ def load_rig(library: "Library", name: str, poseset: "models.PoseSet") -> "Pack[
 
 def model_file(*packs: "Pack[Any]") -> str | None:
     """Return the model file that the first of some packs names: of a character, or its pose set."""
-    for pack in packs:
-        named = pack.model.model
-        path = beside(pack.path, named) if named is not None else None
-        if path is not None:
-            return str(path.resolve())
-    return None
+    named = (beside(pack.path, pack.model.model) for pack in packs if pack.model.model is not None)
+    return next((str(path.resolve()) for path in named if path is not None), None)
 
 
-def best_match(library: "Library", path: Path) -> "Match":
+def best_match(library: "Library", path: Path) -> "tuple[Match, OtherModel]":
     """Return the pose set, with a rig or alone, that shows most of its poses on a model.
 
     Raise `ModelError` for a model that is unreadable, or whose shapes no pose set knows.
     """
     # only a model needs the room of rigs
     from lipsync_lang.faces.rigs.model import known_model, some
+    from lipsync_lang.faces.rigs.read_outs import still_shapes
     from lipsync_lang.faces.rigs.recognise import recognise
 
     model = known_model(path)
     found = next((match for match in recognise(library, model) if match.enough), None)
     if found is None:
-        shapes = dict.fromkeys(name for mesh in model.meshes for name in mesh.shapes)
+        still = still_shapes(model)
+        moving = [name for name in model.shape_names if name not in still]
+        dead = f"; no point of the mesh moves with {some(sorted(still))}" if still else ""
         raise ModelError(
-            f"{path}: no pose set knows its shapes ({some(shapes)}). Make them poses of their own "
-            "with `lipsync-lang posesets new`"
+            f"{path}: no pose set knows its shapes ({some(moving)}){dead}. Make them poses of "
+            "their own with `lipsync-lang posesets new`"
         )
-    return found
+    return found, OtherModel(path.absolute(), found.rig)
 
 
 def on_model(

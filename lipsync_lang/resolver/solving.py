@@ -20,6 +20,7 @@ import numpy as np
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.base.errors import ModelError
 from lipsync_lang.faces.rigs.channel import bare
+from lipsync_lang.faces.rigs.read_outs import LEAST_MOUTH, measured
 from lipsync_lang.packs import models
 from lipsync_lang.packs.models import PhonemeTarget
 from lipsync_lang.packs.models.rig_models import pose_names
@@ -53,9 +54,6 @@ MOST_SHAPE = 0.7
 OPENING_SHARE = 1.5
 """A shape opens the mouth if it changes the aperture this many times as much as the width."""
 
-LEAST_OPENING = 0.03
-"""Smallest aperture of the widest shape of a mouth that opens, in widths of the mouth."""
-
 FAR_GOAL = 1e3
 """Distance of the goal that stands for a price."""
 
@@ -76,6 +74,8 @@ class SolvedFace:
     """(steps, 4) measures of the mouths, by phoneme; NaN for one that is left open."""
     reached: Mapping[str, Floats] = field(default_factory=dict)
     """(steps, 4) measures of the targets, by phoneme."""
+    doubts: tuple[str, ...] = ()
+    """Descriptions of shapes that do not do what their names say."""
 
     def told(self, phoneme: str) -> str:
         """Return where a target was solved, with the measures that miss what was asked by far."""
@@ -116,16 +116,19 @@ def solved_face(
     >>> face.targets["aa"][0].weights  # doctest: +SKIP
     {'jawOpen': 0.31, 'mouthClose': 0.0}
     """
+    from lipsync_lang.faces.rigs.recognise import doubts_of
+
     gains = pose_gains(poseset, model, rig)
     if gains is None:
         _log.info("%s: its mouth cannot be measured", model.path)
         return None
-    if gains[0].max(initial=0.0) < LEAST_OPENING:
+    if (most := gains[0].max(initial=0.0)) < LEAST_MOUTH:
+        widest, seen = max(measured(model).items(), key=lambda one: one[1].aperture)
         raise ModelError(
             f"{model.path}: no shape of it that is a pose of {poseset.name} opens the mouth: the "
-            f"widest parts the lips by {max(0.0, gains[0].max(initial=0.0)):.3f} of its width. "
-            "Make the shapes that open it poses of their own with `lipsync-lang posesets new`, or "
-            "keep the targets of the pose set with `mouth: declared` in a character"
+            f"widest parts the lips by {most:.3f} of its width, and the widest of all, {widest}, "
+            f"by {seen.aperture:.3f}. Make those that open it poses with `lipsync-lang posesets "
+            "new`, or keep the declared targets with `mouth: declared` in a character"
         )
     face = _FaceToSolve.of(poseset, gains)
     looks = {**(likes or {}), **{name: name for name in poseset.targets}}
@@ -141,7 +144,8 @@ def solved_face(
     reached = {
         name: np.array([gains @ face.weights(one) for one in targets[name]]) for name in targets
     }
-    return SolvedFace(model.path, targets, asked, reached)
+    doubts = tuple(f"{model.path}: {doubt}" for doubt in (() if rig else doubts_of(poseset, model)))
+    return SolvedFace(model.path, targets, asked, reached, doubts)
 
 
 def asked_measures(mouth: Sequence[models.SoundMouth], steps: int, reach: float) -> Floats:

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from face_models import ARKIT, face
 from lanes import full, swept
 from places import ROOT
 from shipped import LANGUAGES, LIBRARY
@@ -220,6 +221,13 @@ def test_the_mouths_are_drawn(cli, monkeypatch):
     with Image.open("mouths.png") as picture:
         height = picture.height
     assert 2 * 320 < height < 3 * 400, "four stills a row"
+
+
+def test_a_model_shows_the_mouths_of_the_pose_set_that_fits_it(cli, tmp_path):
+    head = face(tmp_path / "head.glb", *ARKIT)
+    ended = cli("languages", "check", "stage-english", "-c", head)
+    assert ended.code == 0, ended.err
+    assert "jawOpen 0." in ended.out
 
 
 @full

@@ -36,11 +36,9 @@ class Driver:
         ranges = np.array([one["range"] or (UNLIMITED if one["node"] else MORPH) for one in stated])
         channels = []
         for one in stated:
-            rotation, translation = (
-                tuple(one[way]) if one[way] else None for way in ("rotation", "translation")
-            )
-            names, bone = tuple(one["names"]), one["node"]
-            channels.append(Channel(one["name"], names, one["mesh"], bone, rotation, translation))
+            moves: Any = (one[way] and tuple(one[way]) for way in ("rotation", "translation"))
+            names = tuple(one["names"])
+            channels.append(Channel(one["name"], names, one["mesh"], one["node"], *moves))
         number = {one["name"]: index for index, one in enumerate(stated)}
         limits = {number[one["name"]]: number[one["at_most"]] for one in stated if one["at_most"]}
         # Each value is final before its use as a limit.

@@ -30,12 +30,15 @@ TRIED_SHAPES = 12
 """Number of shapes that are tried as the opening of the mouth."""
 
 USED_SHARE = 0.15
-"""Smallest share of all moving shapes that part the points of a mouth."""
+"""Smallest share of all moving shapes that part the points of a mouth beyond doubt."""
+
+LEAST_MOUTH = 0.05
+"""Smallest aperture of the widest shape of a mouth that opens, in widths of the mouth."""
 
 STILL_SHARE = 1e-5
 """Largest way of a point that nobody sees, as a fraction of the size of its mesh."""
 
-MAX_MEASURED_POINTS = 30_000
+MAX_MEASURED_POINTS = 100_000
 """Largest model whose mouth is looked for in a choice of pose sets: pairs of points cost memory."""
 
 CORNER_SLOPE = 2.0
@@ -134,30 +137,26 @@ def read_outs(model: Model) -> Mapping[str, ShapeReadOut]:
 def moved_points(model: Model) -> tuple[Floats, dict[str, Floats]]:
     """Read the (V, 3) points of all meshes with shapes, and the (V, 3) offsets of each shape."""
     arrays = Accessors(model)
-    rows = [
-        (mesh, primitive)
-        for mesh in model.meshes
-        for primitive in model.document["meshes"][mesh.number]["primitives"]
-    ]
-    blocks = []
-    for _, primitive in rows:
-        arrays.unpack(primitive)
-        blocks.append(arrays[primitive["attributes"]["POSITION"]].astype(float))
-    starts = np.cumsum([0, *map(len, blocks)])
-    rest = np.concatenate(blocks)
-    shapes = {name: np.zeros_like(rest) for name in model.shape_names}
-    # `starts` has one value more: the number of all points.
-    for (mesh, primitive), start, block in zip(rows, starts, blocks, strict=False):
-        for name, target in zip(mesh.shapes, primitive["targets"], strict=True):
-            if "POSITION" in target:
-                shapes[name][start : start + len(block)] = arrays[target["POSITION"]]
-    return rest, shapes
+    blocks: list[Floats] = []
+    moved: dict[str, list[Floats]] = {name: [] for name in model.shape_names}
+    for mesh in model.meshes:
+        for primitive in model.document["meshes"][mesh.number]["primitives"]:
+            arrays.unpack(primitive)
+            blocks.append(arrays[primitive["attributes"]["POSITION"]].astype(float))
+            if (count := sum(map(len, blocks))) > MAX_MEASURED_POINTS:
+                raise ModelError(f"{model.path}: {count:,} points are too many to find a mouth in")
+            targets = dict(zip(mesh.shapes, primitive["targets"], strict=True))
+            for name, own in moved.items():
+                at = targets.get(name, {}).get("POSITION")
+                own.append(np.zeros_like(blocks[-1]) if at is None else arrays[at].astype(float))
+    return np.concatenate(blocks), {name: np.concatenate(own) for name, own in moved.items()}
 
 
 def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MouthPoints:
     """Find the mouth among (V, 3) points, where a shape that lowers many of them parts them.
 
-    Points that few shapes part yield to those that more than twice as many do.
+    Of several shapes, that which parts them widest wins, and it counts somewhat how many others
+    part the same points.
     """
     moving = [moved for moved in shapes.values() if moved.any()]
     moving.sort(key=lambda moved: np.minimum(moved[:, 1], 0.0).sum())
@@ -168,12 +167,14 @@ def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MouthP
             continue
         parted = np.array([np.abs(np.diff(moved[pairs, 1], axis=0)).max() for moved in moving])
         share = float(np.mean(parted > PARTED_SHARE * parted.max()))
-        # Lids that shut lower many points as well, but hardly any other shape parts those.
-        if share > 2 * best:
-            best, found, wide = share, pairs, opened[:, 1]
-        # The search for pairs takes most of the time, and the first shape is nearly always a jaw.
-        if best >= USED_SHARE:
-            break
+        # A wide hole: lids part less, and hardly any other shape parts those.
+        gap = float(-np.diff(opened[pairs, 1], axis=0).min())
+        worth = share**0.25 * gap * float(np.ptp(rest[pairs].mean(axis=0)[:, 0]))
+        if worth > best:
+            best, found, wide = worth, pairs, opened[:, 1]
+            # The search for pairs takes most of the time, and a jaw nearly always comes first.
+            if share >= USED_SHARE:
+                break
     if not best:
         raise ModelError(f"{path}: no shape opens a mouth, so its shapes cannot be measured")
     line = rest[found].mean(axis=0)
@@ -230,6 +231,11 @@ def _lip_pairs(rest: Floats, opened: Floats) -> Ints:
         return both
     both = both[:, np.lexsort((*both[::-1], -rest[both, 2].sum(axis=0), columns[both[0]]))]
     fronts = both[:, np.unique(columns[both[0]], return_index=True)[1]]
+    apart, seen = (rest[pairs[0], 1] >= rest[pairs[1], 1] for pairs in (both, fronts))
+    if apart.any() and 2 * seen.sum() <= seen.size:
+        # A shape that curls a lip brings points of it together: the one that rises lies below.
+        both = both[:, apart]
+        fronts = both[:, np.unique(columns[both[0]], return_index=True)[1]]
     right, left = _corners(rest, opened, both)
     across = rest[np.column_stack((right, fronts, left)), 0].sum(axis=0)
     between = (across > across[0]) & (across < across[-1])
@@ -287,10 +293,6 @@ def _moving(arrays: Accessors, primitive: Mapping[str, Any], names: Sequence[str
 def measured(model: Model) -> Mapping[str, ShapeReadOut]:
     """Measure each shape; empty without a mouth, for a damaged model, and for a large one."""
     try:
-        meshes = [model.document["meshes"][mesh.number]["primitives"] for mesh in model.meshes]
-        rows = {one["attributes"]["POSITION"] for own in meshes for one in own}
-        if sum(model.document["accessors"][row]["count"] for row in rows) > MAX_MEASURED_POINTS:
-            return {}
         return read_outs(model)
     except (ModelError, LookupError, TypeError, ValueError):
         return {}

@@ -11,7 +11,7 @@ that opens the mouth comes before all that hardly do.
 """
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any, cast
 
@@ -23,7 +23,12 @@ from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.faces.rigs.channel import Channel, bare
 from lipsync_lang.faces.rigs.driver import Driver
 from lipsync_lang.faces.rigs.model import Model, some
-from lipsync_lang.faces.rigs.read_outs import MEASURES_OF_SOUNDS, measured, still_shapes
+from lipsync_lang.faces.rigs.read_outs import (
+    LEAST_MOUTH,
+    MEASURES_OF_SOUNDS,
+    measured,
+    still_shapes,
+)
 from lipsync_lang.faces.rigs.shape_matching import on_mesh
 
 if TYPE_CHECKING:  # workers measure mouths without the models of packs
@@ -85,8 +90,7 @@ def losses(library: "Library", rig: "Pack[models.RigPack]") -> tuple[Loss, ...]:
 
     poses = tuple(library.poseset(rig.model.poseset).model.poses)
     data = {"channels": plain_channels(rig.model, None)}
-    driver = Driver.from_plain(data, poses, np.zeros(len(poses)))
-    made = driver.rig
+    made = Driver.from_plain(data, poses, np.zeros(len(poses))).rig
     low, high, span = made.low[:, None], made.high[:, None], made.span[:, None]
     moves = np.clip(made.gains, low, high) - np.clip(0.0, low, high)
     moves /= np.where(span > 0, span, 1)
@@ -145,7 +149,7 @@ class Match:
     losses: tuple[Loss, ...]
     """Poses lost wholly or in part."""
     opens: bool
-    """False if none of the shapes opens the mouth, and others of the model do."""
+    """False if the shapes that should open the mouth do not, and others of the model do."""
     optional: tuple[str, ...] = ()
     """Optional poses of the set that the model has; they are among `poses`."""
 
@@ -273,11 +277,12 @@ def _matches(library: "Library", poseset: "models.PoseSet", model: Model) -> Ite
 
     poses, every = (*poseset.poses,), poseset.having(poseset.optional_poses)
     found = _played(bare((*every.poses,), pose_names(every)), model)
+    wide = openers(poseset.measures)
     if found.places:
         optional = tuple(name for name in poseset.optional_poses if name in found.places)
         lost = tuple(Loss(pose, 0, None, "") for pose in poses if pose not in found.places)
         missing = tuple(loss.pose for loss in lost)
-        opens = _opens(model, found)
+        opens = _opens(model, found, wide)
         left, shown = _left(model, found), (*poses, *optional)
         yield Match(poseset.name, None, shown, found, missing, left, lost, opens, optional)
     known = {found.name for found in library.names("poseset")}
@@ -290,8 +295,10 @@ def _matches(library: "Library", poseset: "models.PoseSet", model: Model) -> Ite
         if any(fault.severity == "fault" for fault in check_rig(rig, poseset, known, to)):
             continue
         plain = {"channels": plain_channels(rig.model, to)}
-        channels = Driver.from_plain(plain, poses, np.zeros(len(poses))).channels
-        found = _played(channels, model)
+        driver = Driver.from_plain(plain, poses, np.zeros(len(poses)))
+        channels, found = driver.channels, _played(driver.channels, model)
+        moved = np.abs(driver.rig.gains[:, [pose in wide for pose in poses]]).max(axis=1, initial=0)
+        most = [one.name for one, way in zip(channels, moved, strict=True) if 0 < way == max(moved)]
         if found.places:
             held = {n: one for n, one in channels_of(rig.model).items() if n in found.places}
             for name, one in held.items():
@@ -301,7 +308,7 @@ def _matches(library: "Library", poseset: "models.PoseSet", model: Model) -> Ite
             missing = tuple(one.name for one in channels if one.name not in found.places)
             kept = replace(rig, model=rig.model.model_copy(update={"channels": held}))
             left, lost = _left(model, found), losses(library, kept)
-            opens = _opens(model, found)
+            opens = _opens(model, found, most)
             yield Match(poseset.name, rig.model.name, poses, found, missing, left, lost, opens)
 
 
@@ -315,9 +322,34 @@ def _played(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
     return found
 
 
-def _opens(model: Model, found: ChannelPlaces) -> bool:
-    """Test for a found shape that opens the mouth, or a bone, which is not measured."""
-    moved, own = measured(model), {name for names in found.places.values() for name in names}
+def openers(measures: Mapping[str, Mapping[str, float]]) -> frozenset[str]:
+    """Return the poses that open the mouth farthest by the read-outs of a pose set."""
+    stated = measures.get("aperture", {})
+    return frozenset(one for one, gain in stated.items() if 0 < gain == max(stated.values()))
+
+
+def doubts_of(poseset: "models.PoseSet", model: Model) -> Iterator[str]:
+    """Describe doubtful matches, dead shapes, and a widest pose that hardly opens the mouth."""
+    from lipsync_lang.packs.models.rig_models import pose_names
+
+    found = find(bare((*poseset.poses,), pose_names(poseset)), model)
+    yield from found.doubts
+    moved, wide = measured(model), openers(poseset.measures)
+    widest = max(moved, key=lambda name: moved[name].aperture, default="")
+    own = [shape for pose in wide for shape in found.places.get(pose, ()) if shape in moved]
+    most = max((moved[shape].aperture for shape in own), default=LEAST_MOUTH)
+    if most < LEAST_MOUTH <= moved[widest].aperture:
+        yield (
+            f"on the mesh, {some(own)} hardly opens the mouth, but {widest} parts the lips by "
+            f"{moved[widest].aperture:.2f} of its width: check the names of the shapes"
+        )
+
+
+def _opens(model: Model, found: ChannelPlaces, wide: Collection[str]) -> bool:
+    """Test for a shape of `wide` poses, or any, that opens the mouth; bones are not measured."""
+    moved = measured(model)
+    places = {name: own for name, own in found.places.items() if not wide or name in wide}
+    own = {shape for shapes in places.values() for shape in shapes}
     widest = max((one.aperture for one in moved.values()), default=0.0)
     if widest <= 0 or not own <= moved.keys():
         return True

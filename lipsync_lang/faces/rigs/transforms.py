@@ -8,6 +8,7 @@ looks, and the axes of its poses are converted (`Channel.head_axis`).
 
 from collections.abc import Sequence
 from functools import reduce
+from typing import NamedTuple
 
 import numpy as np
 
@@ -63,17 +64,13 @@ def quaternion(axes: Floats) -> Floats:
     return np.linalg.eigh(np.array(table)).eigenvectors[:, -1]
 
 
-class HeadTurn:
-    """Composes the columns that turn the head, in their order, as a GLB does.
+class HeadTurn(NamedTuple):
+    """Composes the columns that turn the head, in their order, as a GLB does."""
 
-    Parameters
-    ----------
-    axes : (A, 3) axis of each of these columns
-    columns : their numbers
-    """
-
-    def __init__(self, axes: Floats, columns: tuple[int, ...]) -> None:
-        self.axes, self.columns = axes, columns
+    axes: Floats
+    """(A, 3) axis of each of these columns."""
+    columns: tuple[int, ...]
+    """Their numbers."""
 
     @classmethod
     def of(cls, channels: Sequence[Channel]) -> "HeadTurn":

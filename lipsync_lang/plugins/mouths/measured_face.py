@@ -55,7 +55,7 @@ class MeasuredFace:
         cannot be measured, or does not open.
         """
         if is_model(named):
-            match = best_match(library, Path(named))
+            match, _ = best_match(library, Path(named))
             pack, rig, model = library.poseset(match.poseset), match.rig, Path(named)
             poseset, reach = pack.model.having(match.optional), pack.model.reach
         else:

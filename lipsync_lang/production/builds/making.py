@@ -262,7 +262,8 @@ class LineMaker:
             )
             shown = replace(pair.performer.rigged(animation), export=export)
             self._write(line, shown, files)
-            remarks = [one for name, _ in line.outputs for one in WRITERS[name].remarks(shown)]
+            remarks = [*pair.performer.compiled.report.idle]
+            remarks += [one for name, _ in line.outputs for one in WRITERS[name].remarks(shown)]
             if schedule.left_out:
                 words = shortlist([f"'{word}'" for word in schedule.left_out], MAX_FINDINGS)
                 lacking = f"{line.place}: the recording lacks words of the text: {words}"

@@ -1,11 +1,15 @@
 """Pose sets are chosen by what the shapes of a model do, and a warning names dead shapes."""
 
+import json
+import struct
+
 import pytest
 from face_models import ARKIT, OCULUS, VROID, face
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.faces.rigs.model import read_model
+from lipsync_lang.faces.rigs.read_outs import read_outs
 from lipsync_lang.faces.rigs.recognise import recognise
 from lipsync_lang.packs.library import Library
 from lipsync_lang.reports.quality.check_animation import check
@@ -54,3 +58,84 @@ def test_a_face_without_any_moving_shape_keeps_its_names(tmp_path, best):
     match = best(face(tmp_path / "head.glb", *VROID, dead=VROID))
     assert match.name == "vrm"
     assert match.found.doubts
+
+
+VOWELS = {f"viseme_{name}": name for name in ("aa", "O", "E", "I", "U")}
+"""Visemes of the scanned head, and the names that avatars of another maker have for them."""
+
+
+def changed(head, dead, renamed):
+    """Return a GLB whose shapes of some names move no point, and others have other names."""
+    size = struct.unpack_from("<I", head, 12)[0]
+    document = json.loads(head[20 : 20 + size])
+    for mesh in document["meshes"]:
+        names = mesh["extras"]["targetNames"]
+        mesh["extras"]["targetNames"] = [renamed.get(name, name) for name in names]
+        for primitive in mesh["primitives"]:
+            for name, target in zip(names, primitive["targets"], strict=True):
+                if name in dead:
+                    target.clear()
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    rest = struct.pack("<I4s", len(text), b"JSON") + text + head[20 + size :]
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(rest)) + rest
+
+
+@pytest.mark.parametrize(
+    ("renamed", "dropped", "poseset", "widest"),
+    [
+        ({}, (), "oculus", ("viseme_aa", 0.35)),
+        ({**VOWELS, "viseme_aa": "A"}, (), "vrm0", ("A", 0.35)),
+        ({}, OCULUS, "arkit", ("mouthFunnel", 0.4)),
+    ],
+)
+def test_a_scanned_head_with_a_dead_jaw_opens_by_other_shapes(  # noqa: PLR0913, PLR0917
+    data, tmp_path, best, renamed, dropped, poseset, widest
+):
+    path, (name, aperture) = tmp_path / "head.glb", widest
+    scanned = (data / "rigs/head_arkit52_oculus15.glb").read_bytes()
+    path.write_bytes(changed(scanned, {"jawOpen", *dropped}, renamed))
+    found = read_outs(read_model(path))
+    assert max(found, key=lambda shape: found[shape].aperture) == name
+    assert found[name].aperture == pytest.approx(aperture, abs=0.05)
+    assert best(path).name == poseset
+
+
+def exchanged(path, one, two, *shapes):
+    """Write a head on which two shapes have each other's names."""
+    other = {one: two, two: one}
+    path.write_bytes(changed(face(path, *shapes).read_bytes(), (), other))
+    return path
+
+
+def test_a_jaw_with_the_name_of_another_shape_is_told_by_every_command(cli, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = exchanged(tmp_path / "head.glb", "jawOpen", "mouthFunnel", *ARKIT)
+    (tmp_path / "line.tsv").write_text("0\t0.2\tM\n0.2\t0.4\tAA\n")
+    line = ("-l", "english", "-c", path, "--schedule", "line.tsv")
+    told = f"{path}: on the mesh, jawOpen hardly opens the mouth, but mouthFunnel parts the lips by"
+    for command in (
+        ("run", *line, "-o", "line.csv"), ("run", *line, "-o", "line.glb"), ("check", *line),
+        ("explain", *line, "--at", "0.3"),
+    ):  # fmt: skip
+        assert cli(*command).err.count(told) == 1, command
+    (tmp_path / "characters").mkdir()
+    (tmp_path / "characters" / "anna.yaml").write_text(
+        "kind: character\nformat: 1\nname: anna\nposeset: arkit\nmodel: ../head.glb\n"
+    )
+    line = ("-l", "english", "-c", "anna", "--schedule", "line.tsv", "-o", "line.csv")
+    assert told in cli("run", *line).err
+    assert told in cli("run", *line).err  # from the cache
+
+
+def test_a_set_whose_jaw_has_the_name_of_another_shape_yields_to_one_that_opens(tmp_path, best):
+    path = exchanged(tmp_path / "head.glb", "jawOpen", "mouthSmileLeft", *ARKIT, *OCULUS)
+    assert best(path).name == "oculus"
+
+
+def test_a_head_whose_shapes_move_no_point_is_refused_with_that_reason(tmp_path):
+    path = face(tmp_path / "head.glb", *ARKIT, "mine", dead=ARKIT)
+    with pytest.raises(
+        ll.ModelError, match=r"no pose set knows its shapes \(mine\); no point .*jaw"
+    ):
+        ll.resolve("english", path)

@@ -129,12 +129,51 @@ def test_lids_are_no_mouth():
     assert mouth.measure(shapes["blink"]).aperture == 0.0
 
 
+def test_a_fold_that_many_shapes_part_a_little_is_no_mouth():
+    across = np.linspace(-0.5, 0.5, 11)
+    fold = np.concatenate(
+        [np.column_stack([across, np.full(11, y), across**0]) for y in (0.4, 0.38)]
+    )
+    rest, shapes = np.concatenate([POINTS, fold]), {}
+    shapes["open"] = np.concatenate([moved("viseme_aa"), np.zeros_like(fold)])
+    for number in range(7):
+        shapes[f"frown {number}"] = np.zeros_like(rest)
+        shapes[f"frown {number}"][-11:, 1] = -0.03
+    mouth = find_mouth(rest, shapes, Path("head.glb"))
+    assert mouth.measure(shapes["open"]).aperture == pytest.approx(0.5 / mouth.width)
+    assert mouth.measure(shapes["frown 0"]).aperture == 0
+
+
+def test_a_shape_that_curls_the_lips_opens_the_mouth_behind_their_fronts():
+    across = np.linspace(-0.5, 0.5, 11)
+    # height, depth, and the way upwards of each row of points
+    rows = [(y, z, way) for y, z, way in ((0.03, 0.04, 0.05), (0.02, 0.05, 0.1), (0.005, 0, 0.1))]
+    rows += [(-y, z, -way) for y, z, way in rows]
+    rest = np.concatenate(
+        [np.column_stack([across, across**0 * y, across**0 * z]) for y, z, _ in rows]
+    )
+    funnel = np.zeros_like(rest)
+    funnel[:, 1] = np.repeat([way for *_, way in rows], 11)
+    mouth = find_mouth(rest, {"funnel": funnel}, Path("head.glb"))
+    assert mouth.measure(funnel).aperture == pytest.approx(0.2 / mouth.width)
+
+
 @pytest.mark.filterwarnings("error")
 def test_points_of_one_column_are_no_mouth():
     one = np.zeros_like(POINTS)
     one[0, 1] = -1.0
     with pytest.raises(ModelError, match="no shape opens a mouth"):
         find_mouth(POINTS, {"drop": one}, Path("head.glb"))
+
+
+def fronts_of(rest, apart, columns):
+    """Return the frontmost of some pairs of points in each column that has some."""
+    found = []
+    for column in np.unique(columns):
+        here = np.argwhere(apart & (columns == column)[:, None]).tolist()
+        if here:
+            found.append(max(here, key=lambda pair: (rest[pair, 2].sum(), -pair[0], -pair[1])))
+    return [tuple(pair) for pair in found]
 
 
 def pairs_of_a_square(rest, opened):
@@ -149,6 +188,10 @@ def pairs_of_a_square(rest, opened):
     apart = parted > PARTED_SHARE * parted.max()
     if not apart.any():
         return np.empty((2, 0), int)
+    upright = rest[:, None, 1] >= rest[:, 1]
+    fronts = fronts_of(rest, apart, columns)
+    if (apart & upright).any() and 2 * sum(upright[pair] for pair in fronts) <= len(fronts):
+        apart &= upright
     at = rest[:, None] + rest
     lips = apart & (parted > SKIN_STRETCH * away)
     lips = lips if lips.any() else apart
@@ -157,12 +200,8 @@ def pairs_of_a_square(rest, opened):
         far = np.where(lips, side * at[..., 0] + at[..., 2] / CORNER_SLOPE, -np.inf)
         best = np.argwhere(far == far.max()).tolist()
         ends.append(min(best, key=lambda pair: (columns[pair[0]], -at[*pair, 2], *pair)))
-    pairs = []
-    for column in np.unique(columns):
-        here = np.argwhere(apart & (columns == column)[:, None]).tolist()
-        front = max(here, key=lambda pair: (at[*pair, 2], -pair[0], -pair[1]), default=ends[0])
-        if at[*ends[0], 0] < at[*front, 0] < at[*ends[1], 0]:
-            pairs.append(front)
+    fronts = fronts_of(rest, apart, columns)
+    pairs = [one for one in fronts if at[*ends[0], 0] < at[*one, 0] < at[*ends[1], 0]]
     return np.array([ends[0], *pairs, ends[1]], int).T
 
 

@@ -1,6 +1,7 @@
 """The comparison with films: figures of tracked lips whose answer is known."""
 
 import sys
+from argparse import Namespace
 
 import numpy as np
 import pytest
@@ -47,3 +48,16 @@ def test_frames_without_a_face_do_not_count(face_on):
     found = face_on.judge(real, lips(face_on), (0.5, 3.5), SPANS)
     assert found["aperture r"] == pytest.approx(1)
     assert np.isfinite(list(found.values())).all()
+
+
+def test_a_head_without_a_model_and_a_folder_without_films_are_refused_in_a_sentence(
+    face_on, tmp_path
+):
+    wanted = Namespace(folder=tmp_path, language="english", head=["arkit"])
+    (tmp_path / "ann_texts.tsv").write_text("")
+    with pytest.raises(SystemExit, match=r"no films with a text .* by benchmarks/mouths\.py"):
+        face_on.main(wanted)
+    for name in ("ann.mp4", "ann.txt"):
+        (tmp_path / name).write_text("")
+    with pytest.raises(SystemExit, match="arkit has no model to film"):
+        face_on.main(wanted)
