@@ -46,7 +46,7 @@ FAINT, DECIMALS = 0.015, 3
 """Smaller control values are set to rest; the places of a solved weight."""
 
 LEAST_LOSS = 0.02
-"""Smallest loss that is told, in widths of the mouth: 1 mm of a human mouth."""
+"""Smallest loss that is named, in widths of the mouth: 1 mm of a human mouth."""
 
 SHOWN = 12
 """Number of losses in the text."""
@@ -303,7 +303,7 @@ class _FaceMove:
                 yield LostPose(pose, used)
 
     def stands(self, units: Mapping[str, Any]) -> dict[str, dict[str, float]]:
-        """Return what stands for each pose of a bank that no measure shows, under another name."""
+        """Return the poses that replace, by another name, each pose that no measure shows."""
         used = {pose for unit in units.values() for pose in unit.curves}
         found = {}
         for number, pose in enumerate(self.source.poses):

@@ -20,7 +20,7 @@ from lipsync_lang.reports.quality.check_animation import judged_on
 from lipsync_lang.reports.quality.face_columns import SeenMouth, face_of
 
 LEAST_AWAY = 0.03
-"""Smallest difference that is told, in widths of the mouth: 1.5 mm of a human mouth."""
+"""Smallest difference that is named, in widths of the mouth: 1.5 mm of a human mouth."""
 
 SHOWN = 12
 """Number of differences in the text."""
