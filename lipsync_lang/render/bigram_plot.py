@@ -156,10 +156,9 @@ def _diff_panel(axes: "Axes", panel: DiffPanel, names: tuple[str, ...]) -> None:
     """Draw one bigram: a row per pose, with rules at weights 0 and 1 as in the plot of a line."""
     change, poses = panel
     word = f"  {change.word}" if change.word else ""
-    sources = change.before.origin.source, change.after.origin.source
     axes.set_title(f"{change.bigram}{word}", size=11, weight="bold", loc="left", pad=16)
     axes.annotate(
-        " → ".join(sources) if change.changed else "unchanged",
+        f"{change.before} → {change.after}" if change.changed else "unchanged",
         (0, 1), (0, 5), xycoords="axes fraction", textcoords="offset points", size=8, color=INK,
     )  # fmt: skip
     tops = np.arange(len(poses)) * (ROW + GAP) + GAP

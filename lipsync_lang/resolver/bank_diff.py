@@ -43,6 +43,9 @@ class Side:
     free: bool
     """True if the bigram waives its contacts."""
 
+    def __str__(self) -> str:
+        return self.origin.source
+
     @property
     def boundaries(self) -> tuple[float, ...]:
         """Normalised times at which all phonemes but the last end."""
@@ -313,7 +316,7 @@ def _told_change(change: BigramChange) -> Iterable[str]:
     if not change.changed:
         yield f"{change.bigram}{word}: the same"
         return
-    notes = [f"{before.origin.source} -> {after.origin.source}"]
+    notes = [f"{before} -> {after}"]
     if before.boundary != after.boundary:
         old, new = (", ".join(f"{one:g}" for one in side.boundaries) for side in (before, after))
         notes.append(f"boundary {old} -> {new}")
