@@ -42,12 +42,23 @@ def moved(name, dead=()):
     return offsets
 
 
-def face(path, *shapes, dead=(), above=("Armature",), meshes=("Wolf3D_Head",), still=(), **rest):
+def face(  # noqa: PLR0913 each a way in which heads differ
+    path,
+    *shapes,
+    dead=(),
+    above=("Armature",),
+    meshes=("Wolf3D_Head",),
+    still=(),
+    turn=None,
+    **rest,
+):
     """Write a model whose meshes lie below the nodes `above`, each with all the shapes.
 
-    Shapes of `dead` move no point, and neither do those of the meshes `still`.
+    Shapes of `dead` move no point, and neither do those of the meshes `still`. The (3, 3) `turn` is
+    applied to all points.
     """
     arrays = [POINTS, *(moved(name, dead) for name in shapes)]
+    arrays = arrays if turn is None else [array @ turn for array in arrays]
     blocks = [array.astype("<f4").tobytes() for array in arrays]
     chain = [{"name": name, "children": [n + 1]} for n, name in enumerate(above)]
     first = len(above)

@@ -20,10 +20,11 @@ from lipsync_lang.base.errors import ModelError, OutputError
 from lipsync_lang.base.grouping import grouped
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.faces.rigs.model import movable_nodes
+from lipsync_lang.faces.rigs.placing import NODE_REST, local
 from lipsync_lang.render.model import light
 from lipsync_lang.render.model.camera import FIELD_DEGREES, Camera, close_up, framed
 from lipsync_lang.render.model.picture import BEHIND
-from lipsync_lang.render.model.scene import NODE_REST, Primitive, Scene
+from lipsync_lang.render.model.scene import Primitive, Scene
 from lipsync_lang.render.staging import staged, sweep
 from lipsync_lang.studio.array_pack import ArrayPack
 
@@ -165,7 +166,7 @@ def _nodes(scene: Scene, animation: Animation) -> list[Json]:
     for number, parent in scene.order.items():
         node = scene.document["nodes"][number]
         own = moves.get(movable.get(number, ""))
-        shown: Json = {"matrix": scene.gltf.local(number).ravel().tolist()}
+        shown: Json = {"matrix": local(scene.document["nodes"][number]).ravel().tolist()}
         if own:
             shown = {"moves": own} | {key: node.get(key, it) for key, it in NODE_REST.items()}
         rows.append({"parent": -1 if parent is None else rank[parent]} | shown)

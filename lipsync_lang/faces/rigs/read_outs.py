@@ -19,6 +19,7 @@ from lipsync_lang.base.arrays import Floats, Ints
 from lipsync_lang.base.errors import ModelError
 from lipsync_lang.faces.rigs.accessors import Accessors
 from lipsync_lang.faces.rigs.model import Model
+from lipsync_lang.faces.rigs.placing import placed
 
 NEAR_SHARE = 0.05
 """Largest distance between the lips at rest, as a fraction of the width of the moving part."""
@@ -34,6 +35,9 @@ USED_SHARE = 0.15
 
 LEAST_MOUTH = 0.05
 """Smallest aperture of the widest shape of a mouth that opens, in widths of the mouth."""
+
+FRONT_SHARE = 0.4
+"""Least depth of moving points on a face that looks to the front, as a share from the back."""
 
 STILL_SHARE = 1e-5
 """Largest way of a point that nobody sees, as a fraction of the size of its mesh."""
@@ -135,21 +139,33 @@ def read_outs(model: Model) -> Mapping[str, ShapeReadOut]:
 
 
 def moved_points(model: Model) -> tuple[Floats, dict[str, Floats]]:
-    """Read the (V, 3) points of all meshes with shapes, and the (V, 3) offsets of each shape."""
+    """Read the (V, 3) points of all meshes with shapes, and the (V, 3) offsets of each shape.
+
+    They stand as the model shows them. A face that looks to the back, as in VRM 0, is turned round.
+    """
     arrays = Accessors(model)
     blocks: list[Floats] = []
     moved: dict[str, list[Floats]] = {name: [] for name in model.shape_names}
     for mesh in model.meshes:
         for primitive in model.document["meshes"][mesh.number]["primitives"]:
             arrays.unpack(primitive)
-            blocks.append(arrays[primitive["attributes"]["POSITION"]].astype(float))
+            turn = placed(model, arrays, mesh.number, primitive)
+            points = arrays[primitive["attributes"]["POSITION"]]
+            blocks.append(points @ turn[:3, :3] + turn[3, :3])
             if (count := sum(map(len, blocks))) > MAX_MEASURED_POINTS:
                 raise ModelError(f"{model.path}: {count:,} points are too many to find a mouth in")
             targets = dict(zip(mesh.shapes, primitive["targets"], strict=True))
             for name, own in moved.items():
                 at = targets.get(name, {}).get("POSITION")
-                own.append(np.zeros_like(blocks[-1]) if at is None else arrays[at].astype(float))
-    return np.concatenate(blocks), {name: np.concatenate(own) for name, own in moved.items()}
+                own.append(np.zeros_like(blocks[-1]) if at is None else arrays[at] @ turn[:3, :3])
+    rest = np.concatenate(blocks)
+    shapes = {name: np.concatenate(own) for name, own in moved.items()}
+    ways = sum(np.abs(own).sum(axis=1) for own in shapes.values())
+    back, front = rest[:, 2].min(), rest[:, 2].max()
+    if np.sum(ways) and np.average(rest[:, 2], weights=ways) < back + FRONT_SHARE * (front - back):
+        around = np.array([-1.0, 1.0, -1.0])
+        return rest * around, {name: own * around for name, own in shapes.items()}
+    return rest, shapes
 
 
 def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MouthPoints:

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from io import BytesIO
-from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,6 +22,7 @@ from lipsync_lang.base.json_object import Json
 from lipsync_lang.faces.rigs.accessors import Accessors, Array
 from lipsync_lang.faces.rigs.container import fail
 from lipsync_lang.faces.rigs.model import Model, read_model
+from lipsync_lang.faces.rigs.placing import local, parents
 from lipsync_lang.faces.rigs.tracks import drives
 
 Texels = npt.NDArray[np.uint8]
@@ -45,9 +45,6 @@ MIN_MOVEMENT = 3e-4
 LOOKS = {"NORMAL": {3}, "COLOR_0": {3, 4}, "TEXCOORD_0": {2}}
 """Vertex attributes for appearance, with their numbers of components."""
 
-NODE_REST = {"translation": [0, 0, 0], "rotation": [0, 0, 0, 1], "scale": [1, 1, 1]}
-"""Position of a node that states none."""
-
 MOMENTS = 24
 """Number of times sampled to find moving points."""
 
@@ -68,38 +65,6 @@ class Gltf:
         if "bufferView" not in image:
             return None
         return self.arrays.view(image["bufferView"])
-
-    def order(self) -> dict[int, int | None]:
-        """List the visible nodes with their parents, parents first."""
-        nodes, scenes = self.document.get("nodes", []), self.document.get("scenes", [])
-        children = set(chain.from_iterable(node.get("children", ()) for node in nodes))
-        roots = [number for number in range(len(nodes)) if number not in children]
-        if scenes:
-            roots = scenes[self.document.get("scene", 0)].get("nodes", [])
-        found: dict[int, int | None] = {}
-        waiting: list[tuple[int, int | None]] = [(root, None) for root in roots]
-        while waiting:
-            number, parent = waiting.pop()
-            # A damaged file may name a node twice, or as its own child.
-            if number not in found:
-                found[number] = parent
-                waiting += [(child, number) for child in nodes[number].get("children", ())]
-        return found
-
-    def local(self, number: int, **moved: Floats) -> Floats:
-        """Compute the (4, 4) matrix of a node relative to its parent, with animated values."""
-        node = self.document["nodes"][number]
-        if "matrix" in node:
-            return np.reshape(np.array(node["matrix"], float), (4, 4))
-        own = {name: np.array(node.get(name, value), float) for name, value in NODE_REST.items()}
-        own |= moved
-        v, s = own["rotation"][:3], own["rotation"][3]
-        # Rodrigues' formula of a quaternion, transposed: points are rows here.
-        axes = (2 * s * s - 1) * np.eye(3) + 2 * np.outer(v, v) - 2 * s * np.cross(np.eye(3), v)
-        matrix = np.eye(4)
-        matrix[:3, :3] = own["scale"][:, None] * axes
-        matrix[3, :3] = own["translation"]
-        return matrix
 
 
 def decoded(data: bytes) -> Texels | None:
@@ -272,7 +237,7 @@ class Scene:
         self._tracks = dict(_tracks(self._model, gltf, animation))
         self.seconds = max(float(track.times[-1]) for track in self._tracks.values())
         """Duration in seconds."""
-        self.order = gltf.order()
+        self.order = parents(document)
         """Visible nodes with their parents, parents first."""
         self.materials = [material(gltf, row) for row in [*document.get("materials", ()), {}]]
         for number in self.order:
@@ -384,8 +349,8 @@ class Scene:
             if "rotation" in moved:
                 # Between two keys, a mean of quaternions is shorter than 1.
                 moved["rotation"] /= np.linalg.norm(moved["rotation"])
-            local = self.gltf.local(number, **moved)
-            found[number] = local if parent is None else local @ found[parent]
+            own = local(self.document["nodes"][number], **moved)
+            found[number] = own if parent is None else own @ found[parent]
         return found
 
     @cached_property

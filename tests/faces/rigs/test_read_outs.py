@@ -1,10 +1,11 @@
 """Read-outs: the mouth is found without names, and each shape moves it as its pose set says."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from face_models import OCULUS, POINTS, moved
+from face_models import OCULUS, POINTS, face, moved
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from places import ROOT
@@ -13,6 +14,7 @@ from small_models import glb
 import lipsync_lang as ll
 from lipsync_lang.base.errors import ModelError
 from lipsync_lang.faces.rigs.model import read_model
+from lipsync_lang.faces.rigs.placing import placed
 from lipsync_lang.faces.rigs.read_outs import (
     CORNER_SLOPE,
     MEASURES_OF_SOUNDS,
@@ -216,3 +218,54 @@ def test_points_near_each_other_in_height_have_all_pairs_of_lips(seed, count, di
     assume(moving.size and np.ptp(moving))
     found = find_pairs(rest, opened)
     assert found.tolist() == pairs_of_a_square(rest, opened).tolist()
+
+
+Z_UP_CENTIMETRES = np.array([[100.0, 0, 0], [0, 0, 100], [0, -100, 0]])
+"""Of row points with y up, in metres."""
+
+
+def nodes(turn):
+    """Return a root that turns what lies below it by a (3, 3) matrix of row points."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = turn
+    return [
+        {"name": "Root", "matrix": matrix.ravel().tolist(), "children": [1]},
+        {"name": "Wolf3D_Head", "mesh": 0},
+    ]
+
+
+@pytest.mark.parametrize(
+    ("turn", "stated"),
+    [
+        (Z_UP_CENTIMETRES, {"nodes": nodes(np.linalg.inv(Z_UP_CENTIMETRES))}),
+        (np.diag([-1.0, 1.0, -1.0]), {}),
+    ],
+    ids=["below a node that turns it", "looking to the back"],
+)
+def test_a_head_is_measured_as_it_stands(turn, stated, tmp_path):
+    plain, other = (
+        read_outs(read_model(face(tmp_path / name, *OCULUS, **more)))
+        for name, more in (("plain.glb", {}), ("turned.glb", {"turn": turn, **stated}))
+    )
+    assert plain["viseme_aa"].aperture > 0.4
+    for name, found in plain.items():
+        assert other[name].to_dict() == pytest.approx(found.to_dict(), abs=2e-3)
+
+
+def test_the_bone_of_most_points_places_a_skinned_mesh():
+    jaw, head = nodes(np.eye(3))[0] | {"name": "jaw", "children": []}, nodes(Z_UP_CENTIMETRES)[0]
+    shown = [jaw, head | {"children": []}, {"mesh": 0, "skin": 0, "scale": [9, 9, 9]}]
+    document = {"nodes": shown, "skins": [{"joints": [0, 1], "inverseBindMatrices": 2}]}
+    inverse = np.stack([np.eye(4), 2 * np.eye(4)])
+    arrays = [np.array([[0, 1], [1, 0]]), np.array([[0.2, 0.8], [1.0, 0.0]]), inverse]
+    model = SimpleNamespace(document=document, path=Path("head.glb"))
+    primitive = {"attributes": {"JOINTS_0": 0, "WEIGHTS_0": 1}}
+    found = placed(model, arrays, 0, primitive)
+    assert found[:3, :3] == pytest.approx(2 * Z_UP_CENTIMETRES)
+
+
+def test_a_node_without_a_place_is_refused(tmp_path):
+    broken = [{"matrix": [1, 2, 3], "children": [1]}, {"mesh": 0}]
+    model = read_model(face(tmp_path / "head.glb", *OCULUS, nodes=broken))
+    with pytest.raises(ModelError, match=r"head\.glb: the place of mesh 0 cannot be read"):
+        read_outs(model)
