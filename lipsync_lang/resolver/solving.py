@@ -116,10 +116,16 @@ def solved_face(
     >>> face.targets["aa"][0].weights  # doctest: +SKIP
     {'jawOpen': 0.31, 'mouthClose': 0.0}
     """
-    from lipsync_lang.faces.rigs.recognise import doubts_of
+    from lipsync_lang.faces.rigs.recognise import doubts_of, find, openers
 
     gains = pose_gains(poseset, model, rig)
     if gains is None:
+        found = find(bare((*poseset.poses,), pose_names(poseset)), model)
+        if not rig and found.doubts and not openers(poseset.measures) & found.places.keys():
+            raise ModelError(
+                f"{model.path}: no shape opens the mouth: {'; '.join(found.doubts)}. Sculpt these, "
+                "or keep the declared targets with `mouth: declared` in a character"
+            )
         _log.info("%s: its mouth cannot be measured", model.path)
         return None
     if (most := gains[0].max(initial=0.0)) < LEAST_MOUTH:

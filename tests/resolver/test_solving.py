@@ -7,6 +7,7 @@ from face_models import ARKIT, OCULUS, face
 from hypothesis import given
 from hypothesis import strategies as st
 from shipped import LIBRARY
+from small_models import glb
 
 import lipsync_lang as ll
 from lipsync_lang.faces.rigs.model import read_model
@@ -164,8 +165,14 @@ def test_a_head_whose_mouth_the_pose_set_cannot_open_is_refused(tmp_path):
         solved_face(LIBRARY.poseset("arkit").model, COMMON.mouths(), read_model(path))
 
 
-def test_a_head_that_cannot_be_measured_keeps_the_declared_targets(tmp_path):
+def test_a_head_on_which_nothing_opens_a_mouth_is_refused_by_the_names_that_are_dead(tmp_path):
     path = face(tmp_path / "head.glb", *ARKIT, dead={"jawOpen"})
+    with pytest.raises(ll.ModelError, match=r"head\.glb: no shape opens the mouth: .*jawOpen"):
+        ll.resolve("english", path)
+
+
+def test_a_head_that_cannot_be_measured_keeps_the_declared_targets(tmp_path):
+    path = glb(tmp_path / "head.glb", *ARKIT)
     assert solved_face(LIBRARY.poseset("arkit").model, COMMON.mouths(), read_model(path)) is None
     plain, same = (ll.resolve("english", who) for who in ("arkit", path))
     assert np.array_equal(plain.compiled.tables.neutral.curves, same.compiled.tables.neutral.curves)
@@ -237,7 +244,7 @@ IDLE = {
     "": ("arkit", "the character has no model"),
     "mouth: solved\n": ("facefx", "facefx keeps the targets that were made for its own model"),
     "model: head.glb\nmouth: declared\n": ("arkit", "the character keeps declared targets"),
-    "model: dead.glb\n": ("arkit", "the mouth of its model cannot be measured"),
+    "model: flat.glb\n": ("arkit", "the mouth of its model cannot be measured"),
 }
 
 
@@ -249,7 +256,7 @@ def test_mouths_of_a_head_that_is_not_solved_have_no_effect_and_a_warning(
     monkeypatch.chdir(tmp_path)
     (tmp_path / "characters").mkdir()
     face(tmp_path / "characters" / "head.glb", *ARKIT)
-    face(tmp_path / "characters" / "dead.glb", *ARKIT, dead={"jawOpen"})
+    glb(tmp_path / "characters" / "flat.glb", *ARKIT)
     poseset, cause = IDLE[head]
     text = f"kind: character\nformat: 1\nname: anna\nposeset: {poseset}\n{field}\n{head}"
     (tmp_path / "characters" / "anna.yaml").write_text(text)
@@ -260,7 +267,7 @@ def test_mouths_of_a_head_that_is_not_solved_have_no_effect_and_a_warning(
         assert ended.err.count(told) == 1, (command, ended)
         assert "targets" in ended.err.split(told)[1]
     # no pack is checked by reading a model
-    assert (told in cli("validate").out) == ("dead.glb" not in head)
+    assert (told in cli("validate").out) == ("flat.glb" not in head)
     (tmp_path / "characters" / "anna.yaml").write_text(text.replace(f"{field}\n", ""))
     for command in (
         ("run", "-l", "english", "-c", "anna", "--schedule", "line.tsv"),

@@ -176,16 +176,18 @@ def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MouthP
     """
     moving = [moved for moved in shapes.values() if moved.any()]
     moving.sort(key=lambda moved: np.minimum(moved[:, 1], 0.0).sum())
-    best = 0.0
+    best, middle = 0.0, rest[:, 0].mean()
     for opened in moving[:TRIED_SHAPES]:
         pairs = _lip_pairs(rest, opened)
-        if not pairs.size or not np.ptp(rest[pairs, 0].sum(axis=0)):
+        across = rest[pairs, 0].mean(axis=0)
+        # A frown on one side parts points of one cheek.
+        if not across.size or not across.min() < middle < across.max():
             continue
         parted = np.array([np.abs(np.diff(moved[pairs, 1], axis=0)).max() for moved in moving])
         share = float(np.mean(parted > PARTED_SHARE * parted.max()))
         # A wide hole: lids part less, and hardly any other shape parts those.
         gap = float(-np.diff(opened[pairs, 1], axis=0).min())
-        worth = share**0.25 * gap * float(np.ptp(rest[pairs].mean(axis=0)[:, 0]))
+        worth = share**0.25 * gap * float(np.ptp(across))
         if worth > best:
             best, found, wide = worth, pairs, opened[:, 1]
             # The search for pairs takes most of the time, and a jaw nearly always comes first.

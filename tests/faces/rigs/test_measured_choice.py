@@ -2,6 +2,7 @@
 
 import json
 import struct
+from pathlib import Path
 
 import pytest
 from face_models import ARKIT, OCULUS, VROID, face
@@ -41,11 +42,13 @@ def test_a_set_whose_jaw_is_dead_yields_to_one_that_opens_the_mouth(tmp_path, be
     assert performer.compiled.poseset == "oculus"
 
 
-def test_a_dead_jaw_without_another_set_is_told_and_fails_the_check(tmp_path, best):
+def test_a_dead_jaw_without_another_set_is_told_and_fails_the_check(tmp_path, monkeypatch, best):
     path = face(tmp_path / "head.glb", *ARKIT, dead={"jawOpen"})
     match = best(path)
     assert match.poseset == "arkit"
     assert "on the mesh, nothing moves with jawOpen" in match.found.doubts
+    monkeypatch.chdir(tmp_path)
+    Path("lipsync.yaml").write_text("kind: project\nformat: 1\nmouth: declared\n")
     animation = ll.resolve("english", path).perform(SCHEDULE)
     told = [*WRITERS["glb"].remarks(animation)]
     assert f"{path}: on the mesh, nothing moves with jawOpen" in told

@@ -160,6 +160,14 @@ def test_a_shape_that_curls_the_lips_opens_the_mouth_behind_their_fronts():
     assert mouth.measure(funnel).aperture == pytest.approx(0.2 / mouth.width)
 
 
+def test_a_frown_on_one_side_is_no_mouth():
+    frown = np.zeros_like(POINTS)
+    left = POINTS[:, 0] > 0.1
+    frown[11:22, 1][left[11:22]] = -0.2
+    with pytest.raises(ModelError, match="no shape opens a mouth"):
+        find_mouth(POINTS, {"mouthFrownLeft": frown}, Path("head.glb"))
+
+
 @pytest.mark.filterwarnings("error")
 def test_points_of_one_column_are_no_mouth():
     one = np.zeros_like(POINTS)
