@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, Self, get_
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.base.errors import LipsyncError, refuse_other
+from lipsync_lang.base.errors import LipsyncError, did_you_mean, refuse_other, spelled
 from lipsync_lang.base.extras import package_line
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.schedules.schedule import Schedule
@@ -219,9 +219,7 @@ class Animation:
         copy: bool | None = None,  # noqa: FBT001 as numpy calls it
     ) -> npt.NDArray[Any]:
         """Return the (T, P) weights for `numpy.asarray`."""
-        if copy:
-            return np.array(self.weights, dtype)
-        return np.asarray(self.weights, dtype)
+        return np.array(self.weights, dtype) if copy else np.asarray(self.weights, dtype)
 
     def to_frame(self, library: FrameLibrary | None = None) -> Any:
         """Return a data frame: one row per frame, with `time_s` and a column per pose.
@@ -252,8 +250,6 @@ class Animation:
 
     def __getitem__(self, pose: str) -> npt.NDArray[np.float64]:
         """Return the (T,) curve of one pose."""
-        from lipsync_lang.base.errors import did_you_mean, spelled
-
         name = spelled(pose, self.poses)
         if name not in self.poses:
             raise LipsyncError(f"unknown pose '{pose}'; {did_you_mean(pose, self.poses)}")

@@ -250,15 +250,14 @@ class _CurveSpans:
     def slopes(self, first: int, last: int) -> Floats:
         """Return the slopes at both ends of a span that fit its frames best: (2, C)."""
         length = self.times[last] - self.times[first]
-        even = (self.values[last] - self.values[first]) / length
+        straight = np.tile((self.values[last] - self.values[first]) / length, (2, 1))
         if last - first == 1:
-            return np.array([even, even])
+            return straight
         p, m, q, n = self._weights(first, last)
         sides = np.column_stack((m, n)) * length
         ends = np.outer(p, self.values[first]) + np.outer(q, self.values[last])
         rest = self.values[first + 1 : last] - ends
         # one inner frame leaves a slope open: the straight line decides
-        straight = np.array([even, even])
         return straight + np.linalg.lstsq(sides, rest - sides @ straight, rcond=None)[0]
 
     def fits(self, first: int, last: int, slopes: Floats) -> bool:

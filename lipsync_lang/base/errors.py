@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, get_args
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-
 MAX_KNOWN = 24
 """Known words in a hint."""
 

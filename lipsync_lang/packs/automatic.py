@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from lipsync_lang.packs.models import Language, Phonemes
 
-
 IPA_ENGINES = {"espeak": "voice", "epitran": "code", IPA: "code"}
 """Sources of IPA, each with the field of `g2p` that holds its code; a voice speaks, too."""
 

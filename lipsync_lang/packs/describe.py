@@ -75,11 +75,8 @@ def _poseset(library: Library, pack: Pack[models.PoseSet]) -> Description:
     for name, gains in model.measures.items():
         lines.append(f"measure {name}: {_sum(gains)}")
     lines += _checks(model.checks)
-    for word, paths in (
-        ("bank", library.banks_of(model.name)),
-        ("rig", library.rigs_of(model.name)),
-    ):
-        lines += [f"{word} {path.stem}: {shown(path)}" for path in paths]
+    lines += [f"bank {path.stem}: {shown(path)}" for path in library.banks_of(model.name)]
+    lines += [f"rig {path.stem}: {shown(path)}" for path in library.rigs_of(model.name)]
     lines += _model(pack, model.model)
     return Description("\n".join(lines), model.model_dump(mode="json", by_alias=True))
 

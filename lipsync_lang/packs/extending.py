@@ -133,10 +133,9 @@ def merge(parent: "Language", child: "Language") -> "Language":
     taken["text"] = child.text or parent.text
     if parent.text is not None and child.text is not None:
         forms = {name: getattr(child.text, name) for name in child.text.model_fields_set}
-        for name, value in forms.items():  # mappings by their entries, the rest as a whole
-            forms[name] = (
-                {**getattr(parent.text, name), **value} if isinstance(value, dict) else value
-            )
+        for name, value in forms.items():
+            if isinstance(value, dict):  # mappings by their entries, the rest as a whole
+                forms[name] = {**getattr(parent.text, name), **value}
         taken["text"] = parent.text.model_copy(update=forms)
     taken["g2p"] = _joined_g2p(parent.g2p, child.g2p)
     taken["silence"] = tuple(dict.fromkeys((*parent.silence, *child.silence)))

@@ -36,9 +36,7 @@ from lipsync_lang.packs.yaml.source import YamlSource, read_bytes
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
 
-
 _log = logging.getLogger(__name__)
-
 
 FileRequest = tuple[Path, str | None, str | None]
 """A file with the kind and the name that it must have; None for any."""
@@ -275,9 +273,7 @@ class Library(Finder):
         from lipsync_lang.packs.yaml.building import read_yaml
 
         digest = sha256(content).hexdigest()
-        loaded = (
-            f.source for (file, *_), f in self._loaded.items() if self.files[str(file)] == digest
-        )
+        loaded = (one.source for (_, own), one in self.by_content().items() if own == digest)
         found = next(loaded, None)
         return read_yaml(path, content) if found is None else replace(found, path=path)
 

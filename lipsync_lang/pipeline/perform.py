@@ -111,9 +111,8 @@ class Performance:
         track, frames = self.track, self.frames
         first = frames.start + frames.first / frames.fps
         wanted = [demands(contact, track) for contact in self.tables.contacts]
-        return tuple(
-            (one, held_frames(one, track, first, frames.fps, frames.count)) for one in wanted
-        )
+        place = track, first, frames.fps, frames.count
+        return tuple((one, held_frames(one, *place)) for one in wanted)
 
     def weights(self) -> Floats:
         """Run every stage, in the compiled kernel if possible: (T, P)."""
@@ -357,11 +356,8 @@ def lay_frames(track: Track, motion: Motion, fps: float, lead: int) -> Frames:
     if motion.ends == "cut":
         count = math.ceil((track.end - track.start) * fps - 1e-6) + 1
         return Frames(track.start, 0, count, fps)
-    opening, closing_ = 0.0, 0.0
-    if track.source[0] >= 0:
-        opening = float(track.bounds[1]) - track.start
-    if track.source[-1] >= 0:
-        closing_ = track.end - float(track.bounds[-2])
+    opening = float(track.bounds[1]) - track.start if track.source[0] >= 0 else 0.0
+    closing_ = track.end - float(track.bounds[-2]) if track.source[-1] >= 0 else 0.0
     length = track.end - track.start
     first = -frames_until(0, -opening, motion.added_silence, lead, fps)
     last = frames_until(length, length - closing_, motion.added_silence, lead, fps)

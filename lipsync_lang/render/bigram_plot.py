@@ -48,7 +48,6 @@ CHANGED = STAGES["constrain"][1]
 BEFORE: dict[str, Any] = {"color": EDGE, "lw": 1.3, "zorder": 3}
 AFTER: dict[str, Any] = {"color": FINAL, "lw": 1.7, "zorder": 4}
 
-
 DiffPanel = tuple[BigramChange, list[int]]
 """A bigram with the poses that move before or after the change."""
 
@@ -68,9 +67,8 @@ def _bigram_page(bigrams: "Sequence[ShownBigram]") -> "Figure":
     width, height = PANEL_INCHES
     figure = Figure(figsize=(columns * width, rows * height), layout="constrained")
     for number, bigram in enumerate(bigrams, 1):
-        _bigram_panel(
-            figure.add_subplot(rows, columns, number, xlim=(0, 1), ylim=(-0.03, 1.05)), bigram
-        )
+        axes = figure.add_subplot(rows, columns, number, xlim=(0, 1), ylim=(-0.03, 1.05))
+        _bigram_panel(axes, bigram)
     return figure
 
 

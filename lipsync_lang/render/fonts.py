@@ -62,7 +62,6 @@ EAST_ASIAN_SCRIPTS = {
 FontCoverage = Callable[[Path, frozenset[str]], frozenset[str]]
 """Return the subset of letters that a font file contains."""
 
-
 _log = logging.getLogger(__name__)
 _remarked: set[str] = set()
 
@@ -112,9 +111,8 @@ def font_files() -> tuple[Path, ...]:
     def rank(path: Path) -> tuple[int, bool, int, str]:
         """Few unusual styles in the name come first, then a sans serif, then a short name."""
         name = path.stem
-        return (
-            len(UNUSUAL_STYLES.findall(name)), "sans" not in name.lower(), len(name), str(path)
-        )  # fmt: skip
+        unusual = len(UNUSUAL_STYLES.findall(name))
+        return unusual, "sans" not in name.lower(), len(name), str(path)
 
     return tuple(sorted(set(islice(files, MAX_FONTS)), key=rank))
 

@@ -10,7 +10,6 @@ Units: x is seconds; y is inches from the top of a strip, the scale of a printed
 import math
 import warnings
 from collections.abc import Iterator
-from dataclasses import fields
 from itertools import pairwise
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple, Self
@@ -181,10 +180,9 @@ def draw_spectrogram(axes: "Axes", view: "View") -> None:
     found, schedule = view.spectrogram, view.animation.schedule
     if found is None:
         return
-    low, high = axes.get_xlim()
     first, stop = (
         int(np.clip(round((at - found.start) / found.step), 0, found.image.shape[1]))
-        for at in (low, high)
+        for at in axes.get_xlim()
     )
     bottom = SOUND + SPECTRUM
     if stop > first:
@@ -359,9 +357,8 @@ def _page(view: View) -> "Figure":
     animation, motion = view.animation, view.performance.motion
     parts = [view.performer.language, view.performer.character, f"{animation.fps:g} fps"]
     named = [name for name, preset in PRESETS.items() if preset == motion != Motion()]
-    names = [field.name for field in fields(Motion)]
-    changed = [name for name in names if getattr(motion, name) != getattr(Motion(), name)]
-    settings = [f"{name} {getattr(motion, name)}" for name in changed]
+    usual = vars(Motion())
+    settings = [f"{name} {one}" for name, one in vars(motion).items() if one != usual[name]]
     if settings:
         parts.append(f"motion: {', '.join(named or settings)}")
     if animation.schedule.estimated:

@@ -37,7 +37,6 @@ TRIED = 12
 MISSING_CHARACTER = "\U0010fffe"
 """A character absent from every font."""
 
-
 Still = tuple[float, str, str]
 """A moment of a line in seconds of its schedule, with its sound and its word."""
 

@@ -52,9 +52,8 @@ def write_take(animation: Animation, out: BinaryIO) -> None:
         out.write(TEXT_LENGTH.pack(len(text)) + text)
     start = float(animation.times[0]) + animation.offset
     place = TAKE_HEAD.size + TAKE_TRACK.size * len(moving)
-    out.write(
-        TAKE_HEAD.pack(animation.fps, start, animation.offset, len(animation.times), len(moving), 0)
-    )
+    counts = len(animation.times), len(moving), 0
+    out.write(TAKE_HEAD.pack(animation.fps, start, animation.offset, *counts))
     tracks, data = [], []
     for number, column in enumerate(moving):
         low, span, count, keys = _track(animation.poses[column], animation.weights[:, column])
@@ -72,18 +71,13 @@ def _track(name: str, values: Floats) -> tuple[float, float, int, bytes]:
     span = (high - low) or 1.0
     shares = (values - low) / span
     # Rounding to steps and to single precision takes a part of the error each.
-    keys = keyframes(
-        np.arange(len(values)) / 1.0, shares, TAKE_ERROR - 0.5 / TAKE_STEPS - SINGLE_MARGIN
-    )
+    error = TAKE_ERROR - 0.5 / TAKE_STEPS - SINGLE_MARGIN
+    keys = keyframes(np.arange(len(values)) / 1.0, shares, error)
     steps = np.diff(keys, prepend=0)
     if len(keys) > MOST_IN_16_BITS or steps.max() > MOST_IN_16_BITS:
         raise OutputError(f"the pose '{name}' has too many keys for a take; split the line")
-    return (
-        low,
-        span,
-        len(keys),
-        _packed(steps.tolist(), np.rint(shares[keys] * TAKE_STEPS).tolist()),
-    )
+    levels = np.rint(shares[keys] * TAKE_STEPS)
+    return low, span, len(keys), _packed(steps.tolist(), levels.tolist())
 
 
 def _packed(steps: Sequence[int], levels: Sequence[float]) -> bytes:

@@ -17,7 +17,6 @@ RESERVED = re.compile(r"(?:con|prn|aux|nul|com[0-9¹²³]|lpt[0-9¹²³])(?:\..*
 _USUAL = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*", re.ASCII)
 _UNFIT = re.compile(r'[<>:"|?*]')
 
-
 PLACEHOLDER = re.compile(r"\{\{|\}\}|\{[^{}]*\}")
 """Part of a path that stands for something else."""
 

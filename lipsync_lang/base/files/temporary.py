@@ -72,8 +72,7 @@ def sweep(folder: Path, *, again: bool = False, ended: str = "") -> None:
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
             # The ending comes first, because most files of a large folder fail it quickly.
-            found = entry.name.endswith(SUFFIX) and _TEMPORARY.fullmatch(entry.name)
-            if found:
+            if found := entry.name.endswith(SUFFIX) and _TEMPORARY.fullmatch(entry.name):
                 with suppress(OSError):
                     age = time.time() - entry.stat(follow_symlinks=False).st_mtime
                     host, process = found["host"], found["process"]

@@ -133,10 +133,8 @@ def write_bank(library: "Library", path: Path, made: BankBigrams, comment: str) 
 
 def done(path: Path, new: int, kept: int, what: str) -> str:
     """Return a sentence that counts the new and the kept bigrams of a bank."""
-    stay = "was already there and is unchanged"
-    if kept > 1:
-        stay = "were already there and are unchanged"
-    there = f"; {kept} {stay}" if kept else ""
+    was, are = ("were", "are") if kept > 1 else ("was", "is")
+    there = f"; {kept} {was} already there and {are} unchanged" if kept else ""
     return f"{new} {what} bigram{'' if new == 1 else 's'} put into {path}{there}"
 
 

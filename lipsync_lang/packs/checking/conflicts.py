@@ -51,10 +51,7 @@ def _unlisted(model: PoseSet, poses: Iterable[str]) -> list[tuple[str, str]]:
 
 
 def _pairs(poseset: Pack[PoseSet]) -> Iterator[Fault]:
-    """Check that no pair is constrained twice or with itself, and that one of its poses yields.
-
-    Pairs that are not listed have the default threshold.
-    """
+    """Check that no pair is constrained twice or with itself, and that one of its poses yields."""
     model = poseset.model
     seen: dict[tuple[object, ...], int] = {}
     for index, pair in enumerate(model.constraints.pairs):

@@ -9,12 +9,7 @@ from lipsync_lang.base.grouping import grouped
 from lipsync_lang.packs.checking.conflicts import path_between
 from lipsync_lang.packs.checking.pack_checks import check_home, check_poses
 from lipsync_lang.packs.models import PoseSet, RigPack
-from lipsync_lang.packs.models.rig_models import (
-    channels_of,
-    expanded,
-    paired,
-    stated,
-)
+from lipsync_lang.packs.models.rig_models import channels_of, expanded, paired, stated
 from lipsync_lang.packs.yaml.faults import Fault
 
 if TYPE_CHECKING:

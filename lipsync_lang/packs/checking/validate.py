@@ -92,9 +92,8 @@ class _Validation:
 
     def check_folder(self, folder: Path) -> None:
         """Check all packs below a folder; warn of files that are never read."""
-        for path in sorted(
-            p for p in folder.rglob("*") if p.suffix in finding.PACK_SUFFIXES and p.is_file()
-        ):
+        found = (p for p in folder.rglob("*") if p.suffix in finding.PACK_SUFFIXES and p.is_file())
+        for path in sorted(found):
             if path.suffix == finding.PACK_SUFFIXES[0]:
                 self.check_file(*_placed(path))
             else:
@@ -185,11 +184,10 @@ class _Validation:
         shared = _quietly(lambda: self.library.banks(pack.model.poseset)) or []
         own = _quietly(lambda: self.library.character_banks(pack)) or []
         styles = {bank.model.style for bank in (*shared, *own)}
-        self.faults.update(
-            checks.check_character(
-                pack, poseset, phonemes, rigs=rigs, languages=self.languages, styles=styles
-            )
+        found = checks.check_character(
+            pack, poseset, phonemes, rigs=rigs, languages=self.languages, styles=styles
         )
+        self.faults.update(found)
         mouth = stated_mouth(self.library.project)
         self.faults.update(checks.idle_mouths(pack, poseset, mouth))
         for file in pack.model.banks:

@@ -140,7 +140,6 @@ USUAL = Sounds.model_construct(to=())
 """Stands for the usual mapping of a label, until `extending.with_usual` puts it in: this object is
 meant, and not any that is equal to it, which is mute."""
 
-
 OrUsual = Short(
     lambda value: USUAL if value is None else labels_as_sounds(value),
     forms=lambda full: [*sound_forms(full), {"type": "null"}],

@@ -9,15 +9,7 @@ from typing import Any, Literal, NamedTuple, Self
 from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from lipsync_lang.packs.models.fields import (
-    Axis,
-    Name,
-    PackModel,
-    PoseName,
-    Strict,
-    Text,
-    Vector,
-)
+from lipsync_lang.packs.models.fields import Axis, Name, PackModel, PoseName, Strict, Text, Vector
 from lipsync_lang.packs.models.pose_models import PoseSet
 
 

@@ -88,7 +88,6 @@ ShortWord = Short(_word, forms=lambda full: [*sound_forms(full), {"type": "null"
 WordTable = dict[Text, Annotated[WordReading, ShortWord]]
 """Readings of words: a list of common phonemes, another spelling, or a mapping."""
 
-
 NumberRules = dict[Annotated[str, Field(pattern="^(0|[1-9][0-9]{0,11})$")], str]
 """The words of numbers, by the first number that each serves."""
 
@@ -128,7 +127,6 @@ StatedRules = Annotated[
     Annotated[NumberRules, Tag("<rules>")] | Annotated[RulesLike, Tag("<like>")],
     Discriminator(_rules_form),
 ]
-
 
 NumeralShape = Annotated[str, Field(pattern=r"^~\.?$")]
 """A Roman numeral, or one with a full stop."""

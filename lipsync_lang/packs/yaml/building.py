@@ -367,10 +367,8 @@ class _Builder:
             if collects:
                 gc.enable()
         if self.root is None:
-            start = Fault(
-                shown(self.path), 1, 1, "P006", "the file has only comments", "state the pack"
-            )
-            raise _StopError(*self.faults, start)
+            what, hint = "the file has only comments", "state the pack"
+            raise _StopError(*self.faults, Fault(shown(self.path), 1, 1, "P006", what, hint))
         data, mark = self.root
         return YamlSource(self.path, data, mark, tuple(sorted(self.faults)), text)
 

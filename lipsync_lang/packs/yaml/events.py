@@ -17,7 +17,6 @@ Event = Any
 _WITHIN_A_WORD = re.compile(r"[:?][^\s,\[\]{}]")
 """A sign that libyaml refuses within a word between brackets, as in `{source: https://...}`."""
 
-
 _HELD_BACK = 8
 """Number of events that are kept back: libyaml splits a word before it refuses its sign."""
 

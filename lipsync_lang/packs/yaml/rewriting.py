@@ -256,14 +256,10 @@ class _Edits:
         if list(after) == list(before):
             return
         if span.flow:
-            names = [str(key) for key in after]
-            made = {
-                key: f"{as_scalar(key)}: {on_one_line(after[key])}"
-                for key in names
-                if key not in before
-            }
-            old = [str(key) for key in before]
-            self._flow(span, old, names, made)
+            names = list(map(str, after))
+            added = [key for key in names if key not in before]
+            made = {key: f"{as_scalar(key)}: {on_one_line(after[key])}" for key in added}
+            self._flow(span, list(map(str, before)), names, made)
             return
         for key in before:
             if key not in after:

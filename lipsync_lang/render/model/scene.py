@@ -62,9 +62,7 @@ class Gltf:
         kinds = (row, *row.get("extensions", {}).values())
         sources = [kind["source"] for kind in kinds if "source" in kind]
         image = self.document["images"][sources[0]] if sources else {}
-        if "bufferView" not in image:
-            return None
-        return self.arrays.view(image["bufferView"])
+        return self.arrays.view(image["bufferView"]) if "bufferView" in image else None
 
 
 def decoded(data: bytes) -> Texels | None:
