@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from lipsync_lang.base.errors import LipsyncError, count, shortlist
 from lipsync_lang.base.extras import needing
 from lipsync_lang.base.terminal import progress, wipe
-from lipsync_lang.commands.output import FAULTS, SOUND, as_options
+from lipsync_lang.commands.output import FAULTS, SOUND, as_options, tell_all
 from lipsync_lang.commands.registry import handler
 from lipsync_lang.packs.project import find_project, load_project
 
@@ -160,7 +160,7 @@ def build(options: Namespace) -> int:
     said = None if file is None else answer(file.absolute().parent, part, options)
     if said is None:
         return _once(options, StandingRemarks(), MadeByBuilds())
-    _tell_all([*said["remarks"], *said["words"]])
+    tell_all([*said["remarks"], *said["words"]])
     if options.json:
         BuildTeller(as_events=True)("end", said["figures"])
     return SOUND if said["passed"] else FAULTS
@@ -223,7 +223,7 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
     if options.json:
         teller("end", figures)
     elif outcome.built or remarks.changed or not options.watch:
-        _tell_all(words)
+        tell_all(words)
     return SOUND if passed else FAULTS
 
 
@@ -294,7 +294,7 @@ def _listed(plan: "BuildPlan", project: "ProjectBuild", *, as_events: bool) -> i
             reasons = shortlist(step.reasons, MAX_NAMED)
             print(f"{line.language} {line.character} {line.name}: {reasons}")
     told = f"{count(len(stale), 'line')} of {len(plan.steps)} would be made"
-    _tell_all([f"{told}; {_kept(plan.kept)}" if plan.kept else told])
+    tell_all([f"{told}; {_kept(plan.kept)}" if plan.kept else told])
     return FAULTS if project.unsound else SOUND
 
 
@@ -374,8 +374,3 @@ def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
 def _kept(paths: Any) -> str:
     told = f"{count(len(paths), 'file')} changed by hand and kept: {shortlist(paths, MAX_NAMED)}"
     return f"{told}; --overwrite replaces them"
-
-
-def _tell_all(lines: Any) -> None:
-    for line in lines:
-        print(line, file=sys.stderr)

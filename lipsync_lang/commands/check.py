@@ -87,8 +87,7 @@ def _put(options: Namespace, told: "Callable[[str], str]") -> None:
     }
     contents = {path: f"{told(form)}\n".encode() for path, form in forms.items()}
     write_all({path: methodcaller("write", content) for path, content in contents.items()})
-    for path in options.output:
-        tell_written(path)
+    tell_written(*options.output)
 
 
 def _of_face(options: Namespace, performer: "Performer") -> int:

@@ -147,8 +147,7 @@ def _write(options: Namespace, found: "Coverage") -> None:
         text.detach()
 
     write_all({path: partial(encoded, path) for path in options.output})
-    for path in options.output:
-        tell_written(path)
+    tell_written(*options.output)
 
 
 @dataclass(frozen=True)

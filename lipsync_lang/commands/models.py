@@ -4,7 +4,7 @@ import sys
 from argparse import Namespace
 
 from lipsync_lang.base.errors import count
-from lipsync_lang.commands.output import FAULTS, SOUND, listening, tell_written
+from lipsync_lang.commands.output import FAULTS, SOUND, listening, tell_all, tell_written
 from lipsync_lang.commands.registry import family, handler
 
 ADAPT_EXAMPLE = "models adapt vo/anna -l english -o models/anna"
@@ -30,8 +30,7 @@ def adapt(options: Namespace) -> int:
     lines = adaptation.spoken_files(options.folder)
     with listening("adapting"):
         found = adaptation.adapt(speaker, lines, models)
-    for line in found.left_out:
-        print(f"left out: {line}", file=sys.stderr)
+    tell_all(f"left out: {line}" for line in found.left_out)
     rise = f"{found.before:.2f} to {found.after:.2f}"
     print(f"{count(found.lines, 'line')}; log likelihood of held-out frames: {rise}")
     if not found.gains:

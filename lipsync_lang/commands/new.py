@@ -6,7 +6,7 @@ from pathlib import Path
 
 from lipsync_lang.base.errors import LipsyncError, count
 from lipsync_lang.base.files import write_all
-from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
+from lipsync_lang.commands.output import FAULTS, SOUND, tell_all, tell_written
 from lipsync_lang.commands.parser import lacking
 from lipsync_lang.commands.registry import handler
 from lipsync_lang.packs.project import FILE
@@ -42,12 +42,10 @@ def new(options: Namespace) -> int:
 
     library = Library(options.path, project=None)
     character = next(iter(options.characters), None)
-    for path in make_project(options.name, library, options.new_language, character):
-        tell_written(path)
+    tell_written(*make_project(options.name, library, options.new_language, character))
     folder = f'"{options.name}"' if " " in options.name else options.name
     print(f"next: cd {folder}, then: lipsync-lang build", file=sys.stderr)
-    for line in lacking(("speech",)):
-        print(line, file=sys.stderr)
+    tell_all(lacking(("speech",)))
     return SOUND
 
 
@@ -59,8 +57,7 @@ def _of_example(options: Namespace) -> int:
     if any(other is not None for other in others):
         raise LipsyncError("--example copies an example as it is; leave out the other options")
     copied = copy_example(options.example, options.name and Path(options.name))
-    for path in copied:
-        tell_written(path)
+    tell_written(*copied)
     folder = next((path.parent for path in copied if path.name == FILE), None)
     quoted = f'"{folder}"' if " " in str(folder) else folder
     after = f"cd {quoted}, then: lipsync-lang build" if folder else "lipsync-lang validate"
@@ -89,8 +86,7 @@ def _of_table(options: Namespace) -> int:
     )  # fmt: skip
     write_all({path: lambda stream: stream.write(drafted.text.encode())}, durable=True)
     tell_written(path)
-    for told in drafted.matches:
-        print(told, file=sys.stderr)
+    tell_all(drafted.matches)
     try:
         # The draft is read like any project, so that its faults are told while the table is at
         # hand.

@@ -61,10 +61,15 @@ def lines_of(file: Path | None) -> list[str]:
     return [line for line in lines if line.strip()]
 
 
-def tell_written(path: Path) -> None:
-    """Report a written file on stderr, except for standard output."""
-    if path != STANDARD_STREAM:
-        print(f"wrote {path}", file=sys.stderr)
+def tell_all(lines: Iterable[object]) -> None:
+    """Print lines to stderr."""
+    for line in lines:
+        print(line, file=sys.stderr)
+
+
+def tell_written(*paths: Path) -> None:
+    """Report written files on stderr, except for standard output."""
+    tell_all(f"wrote {path}" for path in paths if path != STANDARD_STREAM)
 
 
 def listed(things: Iterable[str], shown: int = 12) -> str:

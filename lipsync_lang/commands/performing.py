@@ -1,6 +1,5 @@
 """Lines of the commands that perform one: performers, schedules and animations by options."""
 
-import sys
 from argparse import Namespace
 from dataclasses import replace
 from pathlib import Path
@@ -8,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files import STANDARD_STREAM
-from lipsync_lang.commands.output import listening
+from lipsync_lang.commands.output import listening, tell_all
 from lipsync_lang.commands.shared_options import cleaning
 
 if TYPE_CHECKING:
@@ -77,8 +76,7 @@ def performer_for(options: Namespace, character: str | None = None) -> "Performe
         options.language, character or options.character, paths=options.path, gaps=options.gaps,
         unknown=options.unknown, motion=motion_settings(options.settings), shades=options.shades,
     )  # fmt: skip
-    for warning in performer.compiled.report.idle:
-        print(warning, file=sys.stderr)
+    tell_all(performer.compiled.report.idle)
     return replace(performer, cleaning=cleaning(options))
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from lipsync_lang.animations.rates import parse_offset
 from lipsync_lang.base.errors import LipsyncError, OutputError, count
 from lipsync_lang.base.files import STANDARD_STREAM, write_all
-from lipsync_lang.commands.output import SOUND, as_options, listed
+from lipsync_lang.commands.output import SOUND, as_options, listed, tell_all
 from lipsync_lang.commands.performing import (
     LINE_PAGE,
     perform_line,
@@ -75,12 +75,11 @@ def run(options: Namespace) -> int:
         rig = f" through rig {compiled.rig['name']}" if compiled.rig else ""
         poses = f"performed with the poses of {compiled.poseset}{rig}"
         print(f"{options.character}: {poses}", file=sys.stderr)
-    for remark in _overriding(options, performer):
-        print(remark, file=sys.stderr)
+    tell_all(_overriding(options, performer))
     # a model without a bone or shape of gestures that nobody asked for is no cause for a remark
     remarks = dict.fromkeys(r for writer in writers.values() for r in writer.remarks(spoken))
-    for remark in [one for one in remarks if one not in performer.compiled.report.idle]:
-        print(as_options(remark), file=sys.stderr)
+    known = performer.compiled.report.idle
+    tell_all(as_options(remark) for remark in remarks if remark not in known)
     if options.check:
         from lipsync_lang.reports.quality.check_animation import check
 

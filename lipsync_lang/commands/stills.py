@@ -1,12 +1,11 @@
 """The command that draws pictures of a line, with the same camera for all lines of a model."""
 
-import sys
 from argparse import Namespace
 from dataclasses import replace
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files import write_all
-from lipsync_lang.commands.output import SOUND, tell_written
+from lipsync_lang.commands.output import SOUND, tell_all, tell_written
 from lipsync_lang.commands.performing import perform_line, performer_for, schedule_for
 from lipsync_lang.commands.registry import handler
 
@@ -32,6 +31,5 @@ def stills(options: Namespace) -> int:
         shown = replace(shown, model=options.model)
     write_all({options.output: lambda out: moments(shown, seconds, out, close=options.close)})
     tell_written(options.output)
-    for remark in animation.schedule.remarks:
-        print(remark, file=sys.stderr)
+    tell_all(animation.schedule.remarks)
     return SOUND

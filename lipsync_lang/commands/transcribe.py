@@ -3,7 +3,7 @@
 import sys
 from argparse import Namespace
 
-from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of, listed
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json, lines_of, listed, tell_all
 from lipsync_lang.commands.registry import handler
 from lipsync_lang.commands.shared_options import cleaning
 
@@ -35,8 +35,7 @@ def transcribe(options: Namespace) -> int:
             ("not spoken:", transcript.dropped),
         ):
             remarks += [f"{what} {listed(which)}"] if which else []
-        for remark in remarks:
-            print(f"{transcript.text[:40]}: {remark}", file=sys.stderr)
+        tell_all(f"{transcript.text[:40]}: {remark}" for remark in remarks)
     if speaker.manner.weak:
         print(speaker.manner.weak, file=sys.stderr)
     return FAULTS if any(one.unmapped for one in heard) else SOUND

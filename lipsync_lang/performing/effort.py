@@ -190,11 +190,8 @@ def emphasis_dial(
     words = [word for word in schedule.words if word.emphasis]
     if stated is None or not words:
         return None
-    ramps = [
-        (schedule.times[word.first] - RAMP_SECONDS, schedule.times[word.first],
-         schedule.times[word.stop], schedule.times[word.stop] + RAMP_SECONDS)
-        for word in words
-    ]  # fmt: skip
+    spans = [schedule.times[[word.first, word.stop]] for word in words]
+    ramps = [(start - RAMP_SECONDS, start, end, end + RAMP_SECONDS) for start, end in spans]
     highs = [word.emphasis * (stated["emphasised"] - 1) for word in words]
     return Dial(poses, ramped_level(ramps, highs), "emphasis")
 

@@ -3,6 +3,7 @@
 Speech is not changed: each pose of a gesture is a column after those of speech.
 """
 
+from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
@@ -409,15 +410,9 @@ def _rises(audio: Audio, begins: Floats, ends: Floats) -> list[float]:
 def stand_out(times: list[float], rises: list[float]) -> list[int]:
     """Return the vowels that no other near them exceeds; of equals the first stands out."""
     found = []
-    for number, (time, rise) in enumerate(zip(times, rises, strict=True)):
-        before, after = number - 1, number + 1
-        while before >= 0 and times[before] >= time - DRAWING_SECONDS and rises[before] < rise:
-            before -= 1
-        if before >= 0 and times[before] >= time - DRAWING_SECONDS:
-            continue
-        last = time + DRAWING_SECONDS
-        while after < len(times) and times[after] <= last and rises[after] <= rise:
-            after += 1
-        if after == len(times) or times[after] > last:
+    for number, time in enumerate(times):
+        first = bisect_left(times, time - DRAWING_SECONDS)
+        near = rises[first : bisect_right(times, time + DRAWING_SECONDS)]
+        if number == first + near.index(max(near)):
             found.append(number)
     return found

@@ -13,6 +13,7 @@ from collections.abc import Collection
 from copy import copy
 from dataclasses import dataclass, field
 from math import inf
+from operator import attrgetter
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -256,9 +257,7 @@ class HeardLabels:
             del self.sounds[:kept], self.starts[:kept], self.sources[:kept]
             self.forgotten = True
         # the label at that time stays, since it may still be cut or lengthened
-        gone = 0
-        while gone + 1 < len(self.labels) and self.labels[gone + 1].start <= seconds:
-            gone += 1
+        gone = max(bisect_right(self.labels, seconds, key=attrgetter("start")) - 1, 0)
         del self.labels[:gone], self.befores[:gone]
         self.first += gone
         while len(self.vowels) > 1 and self.vowels[1].middle <= seconds:

@@ -374,12 +374,8 @@ class Performer(PlayedPair):
         from lipsync_lang.sound.speech.speaking.speaker import Speaker
         from lipsync_lang.text.phonology.manner import Manner
 
-        return Speaker(
-            Manner.from_plain(self.compiled.manner),
-            self.labels.notations,
-            self.labels.near,
-            cleaning=self.cleaning,
-        )
+        manner, labels = Manner.from_plain(self.compiled.manner), self.labels
+        return Speaker(manner, labels.notations, labels.near, cleaning=self.cleaning)
 
     @cached_property
     def driver(self) -> "Driver | None":

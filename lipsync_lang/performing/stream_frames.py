@@ -4,6 +4,7 @@ Times are seconds; frames are counted from the first of the stream. The stages r
 around the frames, within their look-back and look-ahead.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from math import floor, inf, isinf
 from typing import TYPE_CHECKING, NamedTuple, Self
@@ -155,19 +156,11 @@ class StreamFrames:
         ids, bounds, opening = heard.between(*times, begun_trigrams(heard, self.tables))
         # no label numbers: the track reads only whether a sound was scheduled
         source = np.arange(len(ids))
-        track = lay_track(
-            ids, bounds, source, self.tables, self.motion, self.blends, opening=opening
-        )
-        performance = perform(
-            self.tables,
-            track,
-            self.motion,
-            self.fps,
-            overlays=heard.overlays(),
-            blends=self.blends,
-            dials=(*self.dials, *self._effort(heard)),
-            frames=frames,
-        )
+        tables, motion, blends = self.tables, self.motion, self.blends
+        track = lay_track(ids, bounds, source, tables, motion, blends, opening=opening)
+        dials, edits = (*self.dials, *self._effort(heard)), heard.overlays()
+        said = tables, track, motion, self.fps
+        performance = perform(*said, overlays=edits, blends=blends, dials=dials, frames=frames)
         first = begin - low + more
         return performance.weights()[first : first + stop - begin]
 
@@ -226,11 +219,9 @@ class GestureReach(NamedTuple):
 
 def shared(own: GestureSet, scales: Sequence[float]) -> list[int]:
     """Return the poses whose gestures may add up, or are scaled up."""
-    moved = [pose for n, by in enumerate(scales) if by for pose, _ in own.shapes[n].poses]
-    raised = {
-        pose for n, by in enumerate(scales) if by > 1 for pose, _ in own.shapes[n].poses
-    }  # fmt: skip
-    return sorted(raised | {pose for pose in moved if moved.count(pose) > 1})
+    moved = [(pose, by) for n, by in enumerate(scales) if by for pose, _ in own.shapes[n].poses]
+    times = Counter(pose for pose, _ in moved)
+    return sorted({pose for pose, by in moved if by > 1 or times[pose] > 1})
 
 
 class StreamGestures:
@@ -365,9 +356,8 @@ class StreamGestures:
     def _take_pauses(self, heard: HeardLabels, until: float, *, ended: bool) -> None:
         """Take in the pauses that begin by a time, and the phrases around them."""
         phrases, facts = self._line.phrases, self._line.facts
-        for sound, begin, end in zip(
-            heard.sounds, heard.starts, (*heard.starts[1:], heard.until), strict=True
-        ):
+        ends = (*heard.starts[1:], heard.until)
+        for sound, begin, end in zip(heard.sounds, heard.starts, ends, strict=True):
             if not self._known < begin <= until:
                 continue
             speaking = bool(phrases) and phrases[-1][1] == inf

@@ -165,23 +165,16 @@ class _TracedFrame:
     def _reason(self, stage: str, pose: int, change: float) -> str:
         """Return why a stage changed the weight of a pose."""
         if stage == "stitch":
-            given = [
-                f"{'-'.join(bigram.pair)} gives {value[pose]:.3f}"
-                for bigram, value in zip(self.covering, self.values, strict=True)
-                if bigram is not None
-            ]
+            both = zip(self.covering, self.values, strict=True)
+            played = [(one.pair, value[pose]) for one, value in both if one is not None]
+            given = [f"{'-'.join(pair)} gives {weight:.3f}" for pair, weight in played]
             if self.performance.others:
                 given = ["the mean of the likely sounds"]
             drafts = self.compiled.style_drafts
-            added = {
-                style: share * drafts[style]["posture"][pose]
-                for style, share in self.styles.items()
-                if style in drafts
-            }
-            postures = (
-                f"the posture of {style} adds {one:.3f}" for style, one in added.items() if one
-            )
-            return ", ".join([*given, *postures])
+            styles = [(one, share) for one, share in self.styles.items() if one in drafts]
+            added = [(one, share * drafts[one]["posture"][pose]) for one, share in styles]
+            given += [f"the posture of {one} adds {more:.3f}" for one, more in added if more]
+            return ", ".join(given)
         if stage == "dial":
             dials = [one for one in self.performance.dials if one.poses[pose : pose + 1].any()]
             factors = [(one.name, float(one.level.at(self.now)[0])) for one in dials]
@@ -200,9 +193,8 @@ def held_reason(performer: "PlayedPair", performance: Performance, pose: int, fr
     """Describe the contacts that limit a pose at a frame: its own, and those that it outranks."""
     names = performer.compiled.contact_names
     reasons = []
-    for name, contact, (_, frames) in zip(
-        names, performance.tables.contacts, performance.held, strict=True
-    ):
+    held = zip(names, performance.tables.contacts, performance.held, strict=True)
+    for name, contact, (_, frames) in held:
         if frames[frame] and contact.floor[pose] > 0:
             reasons.append(f"contact '{name}' holds it at {contact.floor[pose]:g} or more")
         if frames[frame] and contact.ceiling[pose] < 1:
@@ -217,18 +209,13 @@ def constraint_reason(
     performer: "PlayedPair", performance: Performance, pose: int, weights: Floats
 ) -> str:
     """Describe the tightest constraint of a pose among (P,) constrained weights."""
+    tables, poses = performance.tables, performer.poses
     rooms = [
-        (threshold - float(weights[high]), high, threshold)
-        for low, high, threshold in performance.tables.caps
-        if low == pose
+        (most - float(weights[high]), high, most) for low, high, most in tables.caps if low == pose
     ]
-    bounds = [
-        (float(weights[other]), f"never above {performer.poses[other]}")
-        for low, other in performance.tables.at_most
-        if low == pose
-    ]
+    others = [other for low, other in tables.at_most if low == pose]
+    bounds = [(float(weights[other]), f"never above {poses[other]}") for other in others]
     if rooms:
         room, high, threshold = min(rooms)
-        name = performer.poses[high]
-        bounds.append((room, f"{name} outranks it: together at most {threshold:g}"))
+        bounds.append((room, f"{poses[high]} outranks it: together at most {threshold:g}"))
     return min(bounds)[1] if bounds else ""

@@ -82,13 +82,9 @@ class GestureTally:
 
     def needs(self) -> tuple[GestureNeed, ...]:
         """Return the gestures that occur, in the order of the pose set."""
-        found = []
+        found, counts = [], self._counts.most_common()
         for number, shape in enumerate(self._performer.gesture_set.shapes):
-            by = {
-                trigger or "by itself": count
-                for (own, trigger), count in self._counts.most_common()
-                if own == number
-            }
+            by = {what or "by itself": times for (own, what), times in counts if own == number}
             count = sum(by.values())
             if count:
                 rate = round(60 * count / self.seconds, 1)

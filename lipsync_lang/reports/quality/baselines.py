@@ -45,9 +45,8 @@ def keyframes(
             times.append(start + (end - start) * (step + 0.5) / len(rows))
             keys.append(row)
     frames = performer.performance(schedule, fps).frames.times()
-    weights = np.column_stack(
-        [np.interp(frames, times, column) for column in zip(*keys, strict=True)]
-    )
+    columns = zip(*keys, strict=True)
+    weights = np.column_stack([np.interp(frames, times, column) for column in columns])
     return Animation(frames, performer.poses, weights, fps, schedule)
 
 
@@ -69,9 +68,8 @@ def dominance(
     performance = performer.performance(schedule, fps)
     track, frames = performance.track, performance.frames.times()
     wishes, strengths, away = [], [], []
-    for number, start, end, reach in zip(
-        track.ids, track.bounds, track.bounds[1:], track.reach, strict=False
-    ):
+    spans = zip(track.ids, track.bounds, track.bounds[1:], track.reach, strict=False)
+    for number, start, end, reach in spans:
         steps = targets.get(performer.compiled.phonemes[number], ())
         rows, strength = _dominances(steps, performer)
         for step, row in enumerate(rows):
@@ -123,9 +121,8 @@ def _dominances(steps: tuple[PhonemeTarget, ...], performer: Performer) -> tuple
     for step in steps:
         if step.overall is not None:
             usual = np.where(against, usual, step.overall)
-        usual = np.array(
-            [step.dominance.get(p, d) for p, d in zip(performer.poses, usual, strict=True)]
-        )
+        both = zip(performer.poses, usual, strict=True)
+        usual = np.array([step.dominance.get(pose, own) for pose, own in both])
     return rows, np.maximum(usual, 1e-6)
 
 

@@ -318,11 +318,8 @@ def rules(scene: MeasuredScene) -> Iterable[list[Figure]]:
     for name, rule in scene.rules.items():
         gains = scene.face.measures.get(rule["measure"])
         which = scene.face.meant[name][scene.ids].nonzero()[0]
-        why = (
-            "channels of a rig have no measures"
-            if gains is None
-            else "no sound of the line has this rule"
-        )
+        why = "no sound of the line has this rule"
+        why = "channels of a rig have no measures" if gains is None else why
         best = np.zeros(len(which))
         if gains is not None and which.size:
             shown = gains @ scene.curves
@@ -335,12 +332,8 @@ def rules(scene: MeasuredScene) -> Iterable[list[Figure]]:
                 out[line] += unjudged(why, of=name)
                 continue
             numbers, own = which[part], missed[part]
-            told = {
-                number: f"misses the rule by {-short:.2f} of {rule['measure']}"
-                for number, short in zip(
-                    numbers[own].tolist(), best[part][own].tolist(), strict=True
-                )
-            }
+            short = zip(numbers[own].tolist(), best[part][own].tolist(), strict=True)
+            told = {n: f"misses the rule by {-by:.2f} of {rule['measure']}" for n, by in short}
             parts = {"kept": len(numbers) - len(told), "missed": len(told)}
             found, share = tuple(places(scene, told)), len(told) / len(numbers)
             out[line].append(Figure(name, share, limit=rule["missed"], parts=parts, findings=found))

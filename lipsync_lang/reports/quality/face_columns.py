@@ -328,14 +328,8 @@ def _rigged(performer: "Performer", rig: "Rig", names: tuple[str, ...]) -> Face:
     for name, contact in zip(compiled.contact_names, compiled.tables.contacts, strict=True):
         low, high = _bounds(rig, contact.floor, contact.ceiling)
         asks = (low > free[0] + 1e-9) & ~yielding
-        touches.append(
-            Touch(
-                name,
-                contact.phonemes,
-                np.where(asks, low, -np.inf),
-                np.where(high < free[1] - 1e-9, high, np.inf),
-            )
-        )
+        bounds = np.where(asks, low, -np.inf), np.where(high < free[1] - 1e-9, high, np.inf)
+        touches.append(Touch(name, contact.phonemes, *bounds))
     ranges = rig.at_most, rig.low, rig.high, span
     vowels = None if aperture is None else _vowels(compiled, alone @ aperture)
     shown = None if aperture is None else aperture * moving

@@ -85,10 +85,7 @@ def once(find: Callable[[MeasuredScene], Found]) -> Callable[[MeasuredScene], Fo
 @cache
 def load_measures() -> dict[str, Measure]:
     """Return every measure by name, in the order of reports."""
-    modules = [
-        f"lipsync_lang.reports.quality.{name}"
-        for name in ("closures", "seen", "movement", "likeness")
-    ]
+    modules = [f"{__package__}.{name}" for name in ("closures", "seen", "movement", "likeness")]
     for module in modules:
         import_module(module)
     # another module may have imported one of them before
