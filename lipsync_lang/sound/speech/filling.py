@@ -135,10 +135,7 @@ def _heard(
 
 
 def _shares(words: Sequence[TimedWord], read: Schedule | SpeechError) -> list[WordPhonemes]:
-    """Return the part of each word in a phrase's schedule; None if the two have other words.
-
-    Words are matched by the count of letters before and after them.
-    """
+    """Return the part of each word in a phrase's schedule, by letters; None if the words differ."""
     if isinstance(read, SpeechError):
         return [read] * len(words) if len(words) == 1 else [None] * len(words)
     given = [_letters(word.text) for word in words]
@@ -198,17 +195,11 @@ class _Layout:
         self.labels += share.labels
         self.times += (start + steps * (word.end - start)).tolist()
         self.stress += share.stress or (None,) * len(share)
-        one = len(share.words) == 1
-        self.words += [
-            replace(
-                read,
-                text=word.text if one else read.text,
-                first=at + read.first,
-                stop=at + read.stop,
-                confidence=word.confidence,
-            )
-            for read in share.words
-        ]
+        for read in share.words:
+            text = word.text if len(share.words) == 1 else read.text
+            first, stop = at + read.first, at + read.stop
+            made = replace(read, text=text, first=first, stop=stop, confidence=word.confidence)
+            self.words.append(made)
         self.notation, self.language = share.notation, share.language
         self.unread += share.unread
 

@@ -386,10 +386,7 @@ def _below(folder: Path, remark: Remark, elsewhere: Sequence[str]) -> Iterator[P
 
 
 def _read(files: Iterable[tuple[Path, bool]], stated: LineFile) -> Iterator[Line]:
-    """Yield the lines of files, read with the settings `stated`.
-
-    A file is read by its suffix, or as timings if it begins like them.
-    """
+    """Yield the lines of files, read by their suffix, or as timings if they begin like them."""
     for path, among_others in files:
         source = stated.at(path)
         try:

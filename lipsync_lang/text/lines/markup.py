@@ -301,8 +301,6 @@ class TextCleaner:
     def _sound(self, start: int, stop: int) -> str:
         """Return a part of the text without stray marks, and remark on them."""
         part = self.text[start:stop]
-        if not STRAY.search(part):
-            return part
         for found in STRAY.finditer(part):
             column = start + found.start() + 1
             self._remarks.append(

@@ -177,10 +177,9 @@ class Notation:
 
     def stated(self, label: str) -> Value | None:
         """Return the value of a label in the table; None if it is missing."""
-        try:
-            return self._seen[label]
-        except KeyError:
-            return self._seen.setdefault(label, self._stated(label))
+        if label not in self._seen:
+            self._seen[label] = self._stated(label)
+        return self._seen[label]
 
     def spells(self, label: str) -> bool:
         """Return True if the table has a label, with its stress, tone and length."""
@@ -210,10 +209,8 @@ class Notation:
 
         Labels of the table are taken as they are: their signs are not marks of stress.
         """
-        try:
+        if label in self._marked:
             return self._marked[label]
-        except KeyError:
-            pass
         whole, level = normalise(self.text(label) or ""), None
         if len(whole) >= len("ˈa") and not self._has(whole):
             if whole[0] in STRESS:
@@ -225,10 +222,9 @@ class Notation:
 
     def is_silence(self, label: str) -> bool:
         """Return True if a label is a spelling of silence."""
-        quiet = self._quiet.get(label)
-        if quiet is None:
-            quiet = self._quiet[label] = normalise(label).casefold() in self._silent
-        return quiet
+        if label not in self._quiet:
+            self._quiet[label] = normalise(label).casefold() in self._silent
+        return self._quiet[label]
 
     def suggest(self, label: str) -> str:
         """Return a hint for a label missing from the table."""

@@ -98,7 +98,7 @@ def _units(labels: Sequence[str], notation: Notation) -> tuple[list[int], list[s
     names: list[str] = []
     for number, label in enumerate(labels):
         value = notation.find(label) if label != SILENCE else None
-        for name in [name for name, _ in value or ()] or [SILENCE if label == SILENCE else label]:
+        for name in [name for name, _ in value or ()] or [label]:
             owner.append(number)
             names.append(name)
     return owner, names
@@ -135,19 +135,14 @@ def _scheduled(
     """Build a schedule from the rows; labels without a row share a neighbour's time."""
     flat = transcript.labels_with_pauses
     groups = _groups(flat, {number for number, _, _ in rows})
-    labels: list[str] = []
     numbers: list[int] = []
     times: list[float] = [float(spoken.start)]
     for number, start, stop in rows:
-        members = groups.get(number, [])
-        for part, member in enumerate(members, start=1):
-            labels.append(flat[member])
-            numbers.append(member)
-            times.append(stop - (stop - start) * (len(members) - part) / len(members))
-        if not members:
-            labels.append(SILENCE)
-            numbers.append(-1)
-            times.append(stop)
+        members = groups.get(number, [-1])  # a pause has no label
+        numbers += members
+        count = len(members)
+        times += (stop - (stop - start) * left / count for left in reversed(range(count)))
+    labels = tuple(SILENCE if number < 0 else flat[number] for number in numbers)
     marks = _stress_with_pauses(transcript)
     stress = tuple(None if number < 0 else marks[number] for number in numbers) if marks else ()
     if spoken.stress:
@@ -158,7 +153,7 @@ def _scheduled(
             min(filter(None, spoken.stress[low:high]), default=None) for low, high in pairwise(cuts)
         )
     return replace(
-        spoken, labels=tuple(labels), times=np.array(times), stress=stress,
+        spoken, labels=labels, times=np.array(times), stress=stress,
         words=_words(transcript, numbers), notation=transcript.notation,
         language=transcript.language, unread=transcript.unread,
         remarks=(*spoken.remarks, *transcript.advice),

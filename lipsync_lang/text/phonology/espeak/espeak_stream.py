@@ -126,11 +126,9 @@ class _WorkerStream:
             self.worker.kill()
             code = self.worker.wait()
             self.printed.seek(0)
-            raise SpeechError(
-                unfinished(self.process.patience, first)
-                if late
-                else ending(code, self.printed.read(), first, self.voice)
-            ) from None
+            crashed = ending(code, self.printed.read(), first, self.voice)
+            slow = unfinished(self.process.patience, first)
+            raise SpeechError(slow if late else crashed) from None
         if "rate" not in header:
             raise SpeechError(refusal(header, self.voice))
 
@@ -156,11 +154,10 @@ class _WorkerStream:
                     return
                 waiting.append(text)
             text = waiting[len(self.sizes)]
-            request = text, self.process.limit([text])
             size = len(json.dumps(text))
             if self.sizes and sum(self.sizes) + size > SENT_BYTES:
                 return
-            self._write(request)
+            self._write((text, self.process.limit([text])))
             self.sizes.append(size)
 
     def _answer(self, text: str) -> WorkerReply | SpeechError:

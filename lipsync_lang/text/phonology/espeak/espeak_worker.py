@@ -177,12 +177,8 @@ def clauses(library: ctypes.CDLL, text: str, separator: str) -> list[str]:
 
 def prepare(library: ctypes.CDLL, request: dict[str, Any]) -> dict[str, Any]:
     """Initialise the library; return ``{"rate"}`` in hertz if it can speak, else the answer."""
-    rate = library.espeak_Initialize(
-        OUTPUT_SYNCHRONOUS,
-        BUFFER_MS,
-        os.fsencode(request["data"]),
-        PHONEME_EVENTS | PHONEME_IPA | DONT_EXIT,
-    )
+    data, options = os.fsencode(request["data"]), PHONEME_EVENTS | PHONEME_IPA | DONT_EXIT
+    rate = library.espeak_Initialize(OUTPUT_SYNCHRONOUS, BUFFER_MS, data, options)
     if rate <= 0:
         return {"error": "data"}
     voices = list_voices(library)

@@ -48,9 +48,8 @@ def words_of(clause: str) -> list[tuple[str, ...]]:
             elif label:
                 labels.append(name[0] + label if name[0] in STRESS_LEVELS else label)
         if labels:
-            words.append(
-                (*labels, VOICE_PAUSE) if word.rstrip(":").endswith("__") else tuple(labels)
-            )
+            pause = [VOICE_PAUSE] if word.rstrip(":").endswith("__") else []
+            words.append((*labels, *pause))
     return words
 
 
@@ -217,9 +216,8 @@ class EspeakProcess:
 
     def unstarted(self, error: OSError) -> SpeechError:
         """Return the error of an interpreter that cannot be started."""
-        return SpeechError(
-            f"eSpeak NG cannot be started with '{self.python}': {error.strerror or error}"
-        )
+        why = error.strerror or error
+        return SpeechError(f"eSpeak NG cannot be started with '{self.python}': {why}")
 
 
 def blank(text: str) -> str:
@@ -272,11 +270,8 @@ def read_frame(read: Callable[[int], bytes]) -> tuple[Any, bytes]:
     `read` returns so many bytes, fewer at the end of the answer.
     """
     start = read(len(FRAME_MAGIC) + 4)
-    raw = (
-        read(int.from_bytes(start[len(FRAME_MAGIC) :], "little"))
-        if start.startswith(FRAME_MAGIC)
-        else b""
-    )
+    length = int.from_bytes(start[len(FRAME_MAGIC) :], "little")
+    raw = read(length) if start.startswith(FRAME_MAGIC) else b""
     try:
         header = json.loads(raw)
     except ValueError:

@@ -163,10 +163,7 @@ def paired(
 def _matched(
     text: str, tokens: Sequence[TextPiece], words: LabelledWords, lengths: Mapping[str, int]
 ) -> list[SpokenWord] | None:
-    """Assign spoken words to each token, or pair of tokens; None if the assignment is uncertain.
-
-    The assignment is certain if the clause has as many words as its tokens have when spoken alone.
-    """
+    """Assign spoken words to each token, or pair of tokens; None unless their counts agree."""
     alone = len(tokens) == len(words) == 1
     counted: list[tuple[list[TextPiece], int]] = []
     for token in tokens:

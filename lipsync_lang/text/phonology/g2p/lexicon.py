@@ -9,7 +9,6 @@ left over, and named.
 """
 
 import re
-from collections.abc import Iterator, Sequence
 from itertools import dropwhile
 from pathlib import Path
 
@@ -52,11 +51,7 @@ def engine(settings: Settings) -> G2PEngine:
             return SpokenWord(word, tuple(label for part in parts for label in words[part]))
         return rewriter.read(word) if rewriter else SpokenWord(word, (), unread=word)
 
-    def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
-        for text in texts:
-            yield read_words(text, look_up)
-
-    return read
+    return lambda texts: (read_words(text, look_up) for text in texts)
 
 
 def read_lexicon(path: Path) -> dict[str, tuple[str, ...]]:

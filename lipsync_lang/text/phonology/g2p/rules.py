@@ -226,7 +226,6 @@ def _by_syllables(word: str, respelled: str, readings: Rewriter, foreign: Foreig
     """Return the readings of a word that its respelling spells by letters; else the respelling.
 
     A word without readings has those of its sounds in another voice.
-
     Names of letters are longer than the word; they are kept if it is an abbreviation.
     """
     if len(respelled) <= len(word) or _ABBREVIATION.fullmatch(word):

@@ -174,10 +174,7 @@ def _starts(path: Ints, count: int) -> Floats:
 
 
 def _edges(a: Floats, b: Floats, path: Ints) -> Floats:
-    """Return the start in the recording of each voice frame, for any length: (M,).
-
-    `path` is that of `_coarse`. It is refined by `REFINEMENT` at a time, in parts that overlap.
-    """
+    """Return the start in the recording of each voice frame: (M,); `path` is that of `_coarse`."""
     step = _step(a, b)
     edges = _starts(path, -(-len(b) // step))
     while step > 1:

@@ -77,14 +77,10 @@ class PocketsphinxRecogniser:
                 words, sure, phonemes = _heard(models, sound[start:stop])
             # Frames and words are counted from the start of the part.
             frames = start // HOP_SAMPLES
-            heard += [
-                one._replace(
-                    word=one.word if one.word == OUTSIDE else one.word + len(sayings),
-                    first=one.first + frames,
-                    stop=one.stop + frames,
-                )
-                for one in phonemes
-            ]
+            for one in phonemes:
+                word = one.word if one.word == OUTSIDE else one.word + len(sayings)
+                first, last = one.first + frames, one.stop + frames
+                heard.append(one._replace(word=word, first=first, stop=last))
             sayings += words
             chances += sure
         found = timed_labels(models, heard, sayings, audio.seconds)

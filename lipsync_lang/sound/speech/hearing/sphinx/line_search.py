@@ -222,10 +222,7 @@ class TextErrors:
         return None
 
     def _likeliest_order(self) -> list[tuple[int, Run]]:
-        """Return the phonemes of the likeliest order of the words, with the price of another one.
-
-        One word is moved, or two parts are exchanged.
-        """
+        """Return the phonemes of the likeliest order; moves of words or of parts have a price."""
         graph, count = Graph(self._model), len(self._ways)
         joins: list[list[int]] = [[SOUND_START], *([] for _ in range(count))]
         early: list[list[int]] = [[] for _ in range(count)]
@@ -336,10 +333,7 @@ class TextErrors:
     def _way(
         self, graph: Graph, scores: Singles, ends: Sequence[int], prices: Mapping[int, float]
     ) -> list[Run]:
-        """Return the likeliest path; it is empty if the words are longer than the sound.
-
-        `prices` are log scores for entering nodes.
-        """
+        """Return the likeliest path by log `prices` of nodes; empty if the sound is too short."""
         stay, turns = self._model.stay[self._phones(graph)], np.zeros(len(graph.nodes))
         turns[[*prices]] = [*prices.values()]
         return likeliest_way(scores, stay, graph.before, ends, turns) or []
