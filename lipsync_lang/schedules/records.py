@@ -11,7 +11,7 @@ A format that differs from others by path and names alone is a `RecordFormat`: a
 
 import json
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import islice
 from typing import Any, NamedTuple
@@ -127,13 +127,8 @@ class RecordFormat(NamedTuple):
             return timed_words_of(source, words, rate=rate, remarks=remarks)
         if self.characters:
             phones = _without_marks(phones)
-        if self.shapes:
-            return shapes_of(
-                source, phones, notation=str(self.notation), words=words, rate=rate, remarks=remarks
-            )
-        return schedule_of(
-            source, phones, words=words, notation=self.notation, rate=rate, remarks=remarks
-        )
+        make: Callable[..., Timings] = shapes_of if self.shapes else schedule_of
+        return make(source, phones, words=words, notation=self.notation, rate=rate, remarks=remarks)
 
     def reader(self) -> ScheduleReader:
         """Return the reader of the format."""

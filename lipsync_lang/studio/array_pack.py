@@ -83,9 +83,8 @@ class ArrayPack:
         filled = np.pad(samples.astype(float), (0, -len(samples) % SOUND_BLOCK))
         blocks = filled.reshape(-1, SOUND_BLOCK)
         peak, loudness = abs(blocks).max(axis=1), np.sqrt((blocks**2).mean(axis=1))
-        steps = np.ceil(
-            np.maximum.reduce([SOUND_STEP * loudness, peak / 127, np.ones(len(blocks))])
-        )
+        least = np.maximum(SOUND_STEP * loudness, peak / 127)
+        steps = np.ceil(np.maximum(least, 1.0))
         # Counts are within -127 and 127, and wrap around to a byte, as their changes do.
         counts = np.rint(blocks / steps[:, None]).ravel()[: len(samples)].astype(np.uint8)
         changes = np.diff(counts, prepend=np.uint8(0))  # wraps around, as `unpack.js` expects

@@ -11,6 +11,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from operator import methodcaller
 from pathlib import Path
 from typing import Any, Self
 from weakref import finalize
@@ -96,18 +97,15 @@ def write_together(
 
     For `ready` see `write_all`.
     """
-
-    def writer(content: bytes) -> Any:
-        return lambda stream: stream.write(content)
-
     for path in contents:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise cannot_write(path.parent, error) from None
-    outputs = {path: writer(content) for path, content in contents.items() if content is not None}
+    kept = {path: content for path, content in contents.items() if content is not None}
+    outputs = {path: methodcaller("write", content) for path, content in kept.items()}
     write_all(outputs, durable=True, ready=ready)
-    for path in contents.keys() - outputs.keys():
+    for path in contents.keys() - kept.keys():
         try:
             path.unlink(missing_ok=True)
         except OSError as error:
@@ -346,8 +344,7 @@ class Desk:
         # Steps that can be redone are kept as steps and their undoing.
         lines += [{"undo": ""}] * (len(self._steps) - self._at if steps else 0)
         with atomic(self.journal, durable=bool(more)) as stream:
-            # The journal is written whole: appending would never drop the steps that a save made
-            # old.
+            # The journal is written whole: appending would never drop steps that were saved.
             for line in (JOURNAL_HEADER, *lines, *more):
                 row = json.dumps(line, ensure_ascii=False, separators=(",", ":"))
                 stream.write(row.encode() + b"\n")
@@ -370,8 +367,7 @@ class Desk:
                 else:
                     self._do(line)
         except (LipsyncError, LookupError, RecursionError, TypeError, ValueError) as error:
-            # Nothing of a damaged journal is kept: half of its edits may not make sense without the
-            # rest.
+            # Nothing of a damaged journal is kept: some edits may make no sense without the rest.
             self._saved, self._touched, self._steps, self._states, self._at = {}, {}, [], [{}], 0
             why = error if isinstance(error, LipsyncError) else "is damaged, or of a newer version"
             aside = journal.with_name(f"{journal.name}.damaged-{os.urandom(4).hex()}")

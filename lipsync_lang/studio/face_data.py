@@ -192,8 +192,7 @@ class Grid(NamedTuple):
         far: dict[int, float] = {}
         for part in parts:
             for row, target in zip(part.deltas, part.active, strict=True):
-                # The largest step decides the scale, which all primitives of a mesh share: see
-                # `Grid`.
+                # The largest step decides the scale that all primitives share: see `Grid`.
                 far[int(target)] = max(far.get(int(target), 0.0), float(np.abs(row).max()))
         return cls((low + high) / 2, float((high - low).max()) or 1.0, far)
 

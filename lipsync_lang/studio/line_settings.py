@@ -25,42 +25,36 @@ class LineSettings:
     @classmethod
     def of(cls, stated: Mapping[str, Any], whole: Schedule, fps: float, line: str | None) -> Self:
         """Return the settings that a character's file states for a whole line."""
+
+        def timed(name: str, points: Any) -> list[list[float]]:
+            return [[round(in_seconds(name, at, whole), 5), level] for at, level in points]
+
         styles, dials = (
             {
-                name: (
-                    points[0][1]
-                    if len(points) == 1
-                    else [[round(in_seconds(name, at, whole), 5), level] for at, level in points]
-                )
+                name: points[0][1] if len(points) == 1 else timed(name, points)
                 for name, points in stated.get(kind, {}).items()
             }
             for kind in ("styles", "dials")
         )
-        bends = {
-            pose: [[round(in_seconds(pose, at, whole), 5), amount] for at, amount in keys]
-            for pose, keys in stated.get("bends", {}).items()
-        }
+        bends = {pose: timed(pose, keys) for pose, keys in stated.get("bends", {}).items()}
         placed = [dict(one) for one in stated.get("placed", ())]
         return cls(fps, line, styles, dials, stated.get("intensity"), bends, placed)
 
     def stated(self, whole: Schedule) -> dict[str, Any]:
         """Return what a character's file states for a whole line."""
-        styles, dials = (
+        styles, dials, bends = (
             {
                 name: [[in_words(at, whole), value] for at, value in level]
                 if isinstance(level, list)
                 else level
                 for name, level in table.items()
             }
-            for table in (self.styles, self.dials)
+            for table in (self.styles, self.dials, self.bends)
         )
         return {
             "styles": brief(styles),
             "dials": brief(dials),
-            "bends": {
-                pose: [[in_words(at, whole), amount] for at, amount in keys]
-                for pose, keys in self.bends.items()
-            },
+            "bends": bends,
             "intensity": self.intensity,
             "placed": self.placed,
         }

@@ -55,8 +55,7 @@ def differences(before: Data, after: Data, depth: int = 2) -> list[Change]:
     found: list[Change] = []
     for key in {**one, **two}:
         old, new = one.get(key, ABSENT), two.get(key, ABSENT)
-        # A new mapping is compared entry by entry, or two new bigrams of two tabs would be a
-        # conflict.
+        # A new mapping is compared by its entries, or new bigrams of two tabs would conflict.
         inner = [{} if value in (ABSENT, None) else value for value in (old, new)]
         mappings = any(inner) and all(isinstance(value, dict) for value in inner)
         if old != new and depth > 1 and mappings and new is not ABSENT:

@@ -6,7 +6,6 @@ no line to stays open: somebody chose it.
 """
 
 from collections.abc import Iterable
-from itertools import islice
 from pathlib import Path
 
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
@@ -73,10 +72,7 @@ class ProjectLines:
             "count": len(own),
             "found": len(found),
             "several": len(self._characters) > 1,
-            "lines": [
-                self._row(number, by, character)
-                for number, by in islice(found, first, first + MAX_LISTED)
-            ],
+            "lines": [self._row(*one, character) for one in found[first : first + MAX_LISTED]],
         }
 
     def place(self, line: PlannedLine | None, character: str) -> Json | None:

@@ -154,9 +154,8 @@ class RequestCheck:
         if not compare_digest(token.encode(), self.token.encode()):
             return _error(404, "there is no such page; use the whole address of the studio")
         length = headers.get("content-length", "0")
-        if not length.isdecimal() or int(length) > MAX_REQUEST_BYTES:
-            return _too_large()
-        return None
+        large = not length.isdecimal() or int(length) > MAX_REQUEST_BYTES
+        return _too_large() if large else None
 
 
 class AsciiResponse(JSONResponse):

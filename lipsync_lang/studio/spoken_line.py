@@ -234,22 +234,18 @@ def _realigned(
 def _cuts(schedule: Schedule, seconds: float) -> list[int]:
     """Split a line into parts, in the longest pause near the end, or at a word or phoneme."""
     times, last = schedule.times, len(schedule)
-    starts = np.zeros(last + 1, bool)
-    starts[[word.first for word in schedule.words]] = True
-    inside = np.zeros(last + 1, bool)
+    starts, inside = np.zeros((2, last + 1), bool)
     for word in schedule.words:
+        starts[word.first] = True
         inside[word.first + 1 : word.stop] = True
     pauses = np.where([label == SILENCE for label in schedule.labels], np.diff(times), 0.0)
     found = [0]
     while times[-1] - times[found[-1]] > seconds:
         begin = found[-1]
-        most = int(times.searchsorted(times[begin] + seconds, "right")) - 1
+        most = max(int(times.searchsorted(times[begin] + seconds, "right")) - 1, begin + 1)
         least = int(times.searchsorted(times[begin] + (1 - PAUSE_SEARCH_SHARE) * seconds))
-        places = np.arange(max(least, begin + 1), max(most, begin + 1) + 1)
-        if not len(places):
-            places = np.array([max(most, begin + 1)])
-        # In order of weight: never within a word, in the longest pause, at a word, and as late as
-        # possible.
+        places = np.arange(min(max(least, begin + 1), most), most + 1)
+        # In order of weight: never within a word, in the longest pause, at a word, and late.
         worth = pauses[places - 1] + 1e-3 * starts[places] - 1e3 * inside[places] + 1e-6 * places
         found.append(int(places[worth.argmax()]))
     return [*found, last] if found[-1] < last else found

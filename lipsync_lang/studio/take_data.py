@@ -236,10 +236,9 @@ class _Stages:
         begins = (at < last) & (place.going >= 0)
         going = np.where(begins, boundary[np.minimum(at, last - 1)] * place.going, absent)
         almost = (WEIGHT_STEPS - 1) / WEIGHT_STEPS  # the end of a bigram is no absence
-        return (
-            np.where(coming < absent, np.minimum(coming, almost), absent),
-            np.where(going < absent, np.minimum(going, almost), absent),
-        )
+        found = (coming, going)
+        coming, going = (np.where(at < absent, np.minimum(at, almost), absent) for at in found)
+        return coming, going
 
     def _bigram(self, row: int, first: int, second: int) -> Json:
         compiled = self._performer.compiled

@@ -2,8 +2,6 @@
 
 import asyncio
 import json
-import zlib
-from base64 import b64encode
 from collections.abc import Collection
 from contextlib import suppress
 
@@ -67,8 +65,7 @@ def _face_document(performer: Performer, *, gestures: bool) -> dict[str, str]:
     pack = ArrayPack()
     take = take_data(rest, performer, pack) | {"name": "", "face": 0}
     document = {"takes": [take], "faces": [face_data(rest, pack)], "arrays": pack.layout()}
-    block = b64encode(zlib.compress(pack.block())).decode()
-    return {"document": json.dumps(document), "block": block}
+    return {"document": json.dumps(document), "block": pack.text()}
 
 
 async def hear(socket: WebSocket, session: Session, pages: list[WebSocket]) -> None:

@@ -20,7 +20,7 @@ from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.packs.banks.write import empty_bank
-from lipsync_lang.packs.finding import FOLDERS, POSESET
+from lipsync_lang.packs.finding import FOLDERS, POSESET, Kind
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import SpokenEdits
 from lipsync_lang.packs.splicing import ABSENT, SplicedText
@@ -309,15 +309,13 @@ class Workshop:
         """Return the packs of the open pair by their identifiers in the browser."""
         compiled, library = self.performer.compiled, self.library()
         found = {"poseset": library.find("poseset", compiled.poseset)}
-        language = library.lookup("language", compiled.language)
-        if language:  # one that an engine reads alone has no file
-            found["language"] = Path(language[0])
-        own = library.lookup("character", compiled.character)
-        if own:
-            found["character"] = Path(own[0])
-        for number, path in enumerate(library.banks_of(compiled.poseset)):
-            found[f"bank-{number}"] = path
-        return found
+        # A language that an engine reads alone has no file.
+        named: dict[Kind, str] = {"language": compiled.language, "character": compiled.character}
+        for kind, name in named.items():
+            if own := library.lookup(kind, name):
+                found[kind] = Path(own[0])
+        banks = enumerate(library.banks_of(compiled.poseset))
+        return found | {f"bank-{number}": path for number, path in banks}
 
     @property
     def part_seconds(self) -> float:

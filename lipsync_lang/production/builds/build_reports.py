@@ -225,8 +225,7 @@ class JsonReport:
             "confidence": tally.mean_confidence,
             "units": {name: one.unit for (name, _), one in tally.figures.items()},
         }
-        # The rows are already JSON on the disk, so they are put before the closing brace of the
-        # head.
+        # The rows are JSON on the disk already, so they are put before the head's closing brace.
         out.write(json.dumps(head, indent=1)[:-2] + ',\n "rows": [')
         self._rows.seek(0)
         out.writelines(

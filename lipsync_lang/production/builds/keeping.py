@@ -56,8 +56,7 @@ class OutputKeeper:
             step = self.steps[one.built.line.key]
             outputs = self.records.outputs(one.built.line.key)
             for file in one.files:
-                # Again, since the plan is older than the line: somebody may have written the file
-                # meanwhile.
+                # Again, since the plan is older: somebody may have written the file meanwhile.
                 stands = standing.digest(file.path) if file.path in step.unknown else ""
                 if stands not in ("", file.digest):
                     kept.append(file.path)

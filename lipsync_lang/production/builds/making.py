@@ -335,8 +335,7 @@ def created(temporary: str, target: str) -> BinaryIO:
     """Open a new file with the permissions of the file that it will replace."""
     try:
         found = os.stat(target).st_mode  # noqa: PTH116 once a file
-        # A rename onto a folder would fail at the end of the build, on Windows without a clear
-        # reason.
+        # A rename onto a folder would fail late, and on Windows without a clear reason.
         if S_ISDIR(found):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), target)
         refuse_locked(Path(target), found)

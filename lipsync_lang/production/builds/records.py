@@ -168,8 +168,7 @@ class Records:
                 outputs = json.loads(f"[{','.join([row[3] for row in rows])}]")
                 for row, written in zip(rows, outputs, strict=True):
                     at, inputs, contents, needs, verdict, confidence, heading, figures = row[4:]
-                    # SQLite keeps any type in any column, and `isinstance` takes a bool for an
-                    # integer.
+                    # SQLite keeps any type in any column, and a bool would pass `isinstance`.
                     types = type(at), type(figures), type(needs), type(confidence or 0.0)
                     if types != (int, bytes, bytes, float) or len(needs) % NEED.itemsize:
                         raise unusable()

@@ -321,8 +321,7 @@ class ScriptPlanner:
     def _told(self, what: str, index: int, told: str) -> str:
         """Return the number of a language's lines that lack something, with examples."""
         found = self._lacking[what][index]
-        lines = f"{found.count:,} line{'s' * (found.count > 1)}"
-        return f"{self._languages[index].word}: {lines} {told}: {found}"
+        return f"{self._languages[index].word}: {count(found.count, 'line')} {told}: {found}"
 
     def check_clashes(self, planned: Sequence[PlannedLine], scripts: Iterable[Path]) -> None:
         """Refuse lines that write to one file, or to a file that is read.
@@ -363,8 +362,7 @@ class ScriptPlanner:
             for path in self._recordings.unused(suffix):
                 unused.add(path)
         if unused.count:
-            files = f"{unused.count:,} recording{'s' * (unused.count > 1)}"
-            remark(f"{files} without a line: {unused}")
+            remark(f"{count(unused.count, 'recording')} without a line: {unused}")
 
 
 class Listing(NamedTuple):

@@ -38,8 +38,7 @@ def parse_address(text: str) -> LiveAddress:
             f"--to {text}: '{kind}' is not a kind of receiver; {did_you_mean(kind, USUAL_PORTS)}. "
             "Write KIND:HOST:PORT, or - for standard output"
         )
-    # An IPv6 address has colons of its own, so the last colon is no mark of a port without
-    # brackets.
+    # An IPv6 address has colons of its own, so that only brackets tell where its port begins.
     if rest.startswith("["):
         host, _, port = rest[1:].partition("]")
         port = port.removeprefix(":")

@@ -86,8 +86,7 @@ class LiveGestures:
             begin = begin if begin <= seconds + DRAWING_SECONDS else seconds
             self._coming.append(BegunGesture(number, begin, self.scales[number]))
             self._free[number] = begin + shape.room
-            # Added, not set: what the gap before went beyond zero is not lost, so the rate stays
-            # true.
+            # Added, not set: what the gap before went beyond zero counts, so the rate stays true.
             self._left[number] += self._gap(number)
 
     def _gap(self, number: int) -> float:

@@ -197,8 +197,7 @@ class LiveVoice:
         """Go on after sound was missing, and tell a rate that it cannot have."""
         if self._dry and self._due is not None:
             late = max(now - self._due, 0.0)
-            # The clock of the voice is set back by the gap, or it would rush through the sound
-            # after it.
+            # The clock is set back by the gap, or the voice would rush through the sound after it.
             self._missed += late
             self._due += late
             share = self._missed / (self._missed + self._heard)

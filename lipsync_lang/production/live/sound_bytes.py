@@ -81,8 +81,7 @@ class SampleForm(NamedTuple):
         if size == 3:  # noqa: PLR2004 no type of NumPy has three bytes
             wide = np.zeros((len(raw) // 3, 4), np.uint8)
             wide[:, 1:] = np.frombuffer(raw, np.uint8).reshape(-1, 3)
-            # Three bytes at the upper end of four keep their sign, and are divided by the range of
-            # four.
+            # At the upper end of four bytes, three keep their sign, and the range is that of four.
             raw, size = wide.tobytes(), 4
         found = np.frombuffer(raw, f"<{'i' if whole else 'f'}{size}" if size > 1 else np.uint8)
         # Damaged floats may be no numbers, or too large for the next type.
@@ -98,20 +97,16 @@ def checked_form(rate: object = None, format_: object = None) -> SampleForm:
 
     A `LipsyncError` names a rate or a format that cannot be heard.
     """
-    form = SampleForm()
-    if rate is not None:
-        if isinstance(rate, bool) or not isinstance(rate, int) or not SLOWEST <= rate <= FASTEST:
-            raise LipsyncError(
-                f"`rate={rate}`: give the samples per second of the sound, from {SLOWEST} to "
-                f"{FASTEST}, such as 16000"
-            )
-        form = form._replace(rate=rate)
-    if format_ is not None:
-        if not isinstance(format_, str) or format_ not in PCM_FORMATS:
-            hint = did_you_mean(str(format_), PCM_FORMATS)
-            raise LipsyncError(f"'{format_}' is not a format of samples; {hint}")
-        form = form._replace(format=format_)
-    return form
+    usual = SampleForm()
+    rate = usual.rate if rate is None else rate
+    if isinstance(rate, bool) or not isinstance(rate, int) or not SLOWEST <= rate <= FASTEST:
+        what = f"give the samples per second of the sound, from {SLOWEST} to {FASTEST}"
+        raise LipsyncError(f"`rate={rate}`: {what}, such as 16000")
+    format_ = usual.format if format_ is None else format_
+    if not isinstance(format_, str) or format_ not in PCM_FORMATS:
+        hint = did_you_mean(str(format_), PCM_FORMATS)
+        raise LipsyncError(f"'{format_}' is not a format of samples; {hint}")
+    return SampleForm(rate, format_)
 
 
 class ByteStream:

@@ -322,8 +322,7 @@ class WebSocketOutlet:
     def tell(self, event: Mapping[str, Any]) -> None:
         """Send a message to every client."""
         text = json.dumps(event, separators=(",", ":"))
-        # Frames come from the thread of the session, and asyncio belongs to the thread of the
-        # server.
+        # Frames come from the session's thread, and asyncio belongs to that of the server.
         self.loop.call_soon_threadsafe(self._broadcast, text)
 
     def close(self) -> None:
@@ -369,8 +368,7 @@ class WebSocketOutlet:
             await connection.send(json.dumps(self.session.greeting))
             self.clients.add(connection)
             async for message in connection:
-                # A stream takes milliseconds to perform, in which other clients must get their
-                # frames.
+                # A stream takes milliseconds, in which other clients must get their frames.
                 answer = await asyncio.to_thread(client.answer, message)
                 await connection.send(json.dumps(answer, separators=(",", ":")))
         except ConnectionClosed:

@@ -228,10 +228,7 @@ def drafted(workshop: Workshop, request: StudioRequest) -> Json:
 
 @contextmanager
 def _sent_model(request: StudioRequest) -> Iterator[Path]:
-    """Write a sent model into a temporary folder, which messages about the model leave out.
-
-    Only GLB has all parts in one file.
-    """
+    """Write a sent model into a temporary folder, which messages about the model leave out."""
     with TemporaryDirectory() as folder:
         path = sent_file(request, Path(folder))
         if not path.name.lower().endswith(WHOLE_MODELS):
