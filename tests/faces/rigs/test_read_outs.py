@@ -164,8 +164,10 @@ def test_a_frown_on_one_side_is_no_mouth():
     frown = np.zeros_like(POINTS)
     left = POINTS[:, 0] > 0.1
     frown[11:22, 1][left[11:22]] = -0.2
+    rest = POINTS * (1, 0.5, 1)
+    assert find_pairs(rest, frown).size
     with pytest.raises(ModelError, match="no shape opens a mouth"):
-        find_mouth(POINTS, {"mouthFrownLeft": frown}, Path("head.glb"))
+        find_mouth(rest, {"mouthFrownLeft": frown}, Path("head.glb"))
 
 
 @pytest.mark.filterwarnings("error")
