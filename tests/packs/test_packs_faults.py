@@ -288,7 +288,7 @@ BAD = [
     Bad("model of a pose set", POSESET, "title: Face", "title: Face\nmodel: x.glb",
         (("P213", 5, "x.glb"),), "face/"),
     Bad("model of a character", ANNA, "rig: model", "rig: model\nmodel: x.glb",
-        (("P213", 11, "x.glb"),), "characters/"),
+        (("P213", 11, "x.glb"),), "characters/: copy it there"),
     Bad("pair twice", POSESET, "{pose: wide, at_most: open}",
         "{between: [PBM, open], threshold: 0.6}", (("P216", 14, "{betwee"),), "line 13"),
     Bad("pair of one", POSESET, "[open, PBM], thr", "[open, open], thr",

@@ -439,8 +439,8 @@ def _file(pack: Pack[Any], loc: Loc, file: str | None) -> Iterator[Fault]:
     # an inherited file lies beside the parent, which states it
     place = pack.where(loc).file
     if file is not None and beside(place, file) is None:
-        what, hint = f"there is no file '{file}'", f"it belongs in {place.parent.name}/"
-        yield pack.fault(loc, "P213", what, hint)
+        hint = f"it belongs in {place.parent.name}/: copy it there, and state its path from there"
+        yield pack.fault(loc, "P213", f"{place.parent.name}/ has no file '{file}'", hint)
 
 
 def _regions(

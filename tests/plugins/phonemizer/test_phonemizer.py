@@ -276,7 +276,7 @@ def test_the_check_of_a_language_names_each_bad_line_of_its_profile(tmp_path, mo
     file = plant(tmp_path, pack=PACK.replace("valley.tsv", "../../other.tsv"))
     (tmp_path.parent / "other.tsv").write_text(PROFILE, "utf-8")
     (fault,) = check_language(Library(tmp_path), file).faults
-    assert (fault.code, fault.what) == ("P213", "there is no file '../../other.tsv'")
+    assert (fault.code, fault.what) == ("P213", "languages/ has no file '../../other.tsv'")
 
 
 def test_a_profile_that_is_not_named_and_an_extra_that_is_missing_are_messages(monkeypatch):
