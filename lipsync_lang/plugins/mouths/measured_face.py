@@ -9,27 +9,16 @@ import numpy as np
 from lipsync_lang import LipsyncError, ModelError
 from lipsync_lang.base.arrays import Bools, Floats
 from lipsync_lang.faces.rigs.model import known_model
+from lipsync_lang.faces.rigs.read_outs import LEAST_MOUTH
 from lipsync_lang.packs.finding import is_model
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import PoseSet
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.resolver.rigging import best_match, model_file, plain_rig
-from lipsync_lang.resolver.solving import pose_gains
+from lipsync_lang.resolver.solving import MOST_SHAPE, OPENING_SHARE, STILL_GAIN, pose_gains
 
 SEEN_MEASURES = ("aperture", "width", "protrusion")
 """Measures of a mouth that a viewer sees, in widths of the closed mouth."""
-
-STILL_GAIN = 0.01
-"""Largest effect on a measure of a pose that does not move the lips."""
-
-MOST_SHAPE = 0.7
-"""Highest weight of a shape that does not open the mouth, unless a declared target has more."""
-
-OPENING_SHARE = 1.5
-"""A shape opens the mouth if it changes the aperture this many times as much as the width."""
-
-LEAST_OPENING = 0.03
-"""Smallest aperture of the widest pose of a mouth that opens."""
 
 LEAST_STAND = 0.05
 """Smallest weight of a pose that stands for another one at full weight."""
@@ -76,7 +65,7 @@ class MeasuredFace:
             raise ModelError(
                 f"{model}: its mouth cannot be measured: it is moved by bones, or no shape opens it"
             )
-        if gains[0].max(initial=0.0) < LEAST_OPENING:
+        if gains[0].max(initial=0.0) < LEAST_MOUTH:
             raise ModelError(f"{model}: no pose of {poseset.name} opens its mouth; name another")
         return cls(named, poseset, gains[: len(SEEN_MEASURES)], reach)
 

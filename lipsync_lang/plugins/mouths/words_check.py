@@ -114,7 +114,7 @@ def _places(
     mouths: Mapping[str, Sequence[SoundMouth]],
     line: Animation,
 ) -> Iterator[tuple[tuple[str, str], tuple[float, float]]]:
-    """Yield sound and measure with what is asked and what is seen, at each place of a line."""
+    """Yield the sound and a measure of each place of a line, with the values asked and seen."""
     seen = face.gains @ line.weights[:, : face.gains.shape[1]].T
     seen[0] = np.maximum(0.0, seen[0])  # lips do not pass each other
     ids, bounds, _ = performer.common_phonemes(line.schedule)

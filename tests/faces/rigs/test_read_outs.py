@@ -231,7 +231,7 @@ def test_points_near_each_other_in_height_have_all_pairs_of_lips(seed, count, di
 
 
 Z_UP_CENTIMETRES = np.array([[100.0, 0, 0], [0, 0, 100], [0, -100, 0]])
-"""It turns row points with y up, in metres."""
+"""A matrix for rows of points: y up in metres becomes z up in centimetres."""
 
 
 def nodes(turn):

@@ -1,4 +1,4 @@
-"""Banks that move to another face: what stays, what is lost, and what is refused."""
+"""A moved bank shows the same mouths, reports its losses, and refuses faulty input."""
 
 import json
 
