@@ -124,8 +124,8 @@ bench: $(VENV)/ready ## print how fast things are: make bench SECTION=stream LIN
 articulography: $(VENV)/ready ## compare curves with recordings of real mouths: make articulography RECORDINGS=folder
 	$(BIN)/python benchmarks/articulography.py $(RECORDINGS)
 
-front: $(VENV)/ready ## compare mouths on meshes with filmed lips: make front FILMS=folder HEADS="head.glb other.glb"
-	$(BIN)/python benchmarks/mouths.py $(FILMS) $(HEADS:%=-c %)
+front: $(VENV)/ready ## compare our lips with filmed ones: make front FILMS=folder HEADS="head.glb other.glb" TRACKER=python RENDER=1
+	$(BIN)/python benchmarks/face_on.py $(FILMS) $(HEADS:%=-c %) $(TRACKER:%=--tracker %) $(RENDER:%=--render)
 
 motion: $(VENV)/ready ## print how curves move, beside captures: make motion RECORDINGS=folder
 	$(BIN)/python benchmarks/motion.py $(RECORDINGS) --contacts

@@ -2,9 +2,8 @@
 
     python benchmarks/beside_film.py FOLDER CLIP OUT.mp4 [-c HEAD ...] [-l english]
 
-FOLDER is that of `mouths.py`, with the film of each clip as `NAME/CLIP.mpg` (or another kind that
-ffmpeg reads). The text of CLIP is aligned with its sound, and each HEAD performs it at the rate of
-the film. The film stands at the left, and its sound is heard.
+FOLDER is that of `face_on.py`, with the film of CLIP, whose text is aligned with its sound. Each
+HEAD performs it at the rate of the film, which stands at the left, and its sound is heard.
 """
 
 import argparse
@@ -13,7 +12,7 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from mouths import HEADS, filmed
+from face_on import HEADS, filmed
 
 import lipsync_lang as ll
 from lipsync_lang.render.staging import staged
@@ -62,14 +61,13 @@ def main() -> None:
     parser.add_argument("-l", "--language", default="english")
     options = parser.parse_args()
     films = filmed(options.folder)
-    clips = [one for one in options.folder.glob(f"*/{options.clip}.*") if one.suffix != ".ogg"]
-    if options.clip not in films or not clips:
-        shown = {one.stem for one in options.folder.glob("*/*")} & films.keys()
-        sys.exit(f"{options.clip} is no film of {options.folder}: {' '.join(sorted(shown))}")
+    clips = sorted(name for name, one in films.items() if one.picture)
+    if options.clip not in clips:
+        sys.exit(f"{options.clip} is no film of {options.folder}: {' '.join(clips)}")
     if find_ffmpeg() is None:
         sys.exit("a moving picture needs ffmpeg: the extra `video` brings one")
-    text, sound, _ = films[options.clip]
-    schedule = ll.align(sound, text, options.language)
+    clip = films[options.clip]
+    schedule = ll.align(clip.sound, clip.text, options.language)
     with TemporaryDirectory() as folder:
         heads = options.character or [*HEADS]
         paths = [Path(folder) / f"{number}.mp4" for number in range(len(heads))]
@@ -77,8 +75,8 @@ def main() -> None:
             performed(head, schedule, options.language, path)
             for head, path in zip(heads, paths, strict=True)
         ]
-        beside(clips[0], sound, dict(zip(paths, starts, strict=True)), options.out)
-    print(f"{options.out}: {text!r} by the film, {', '.join(Path(one).stem for one in heads)}")
+        beside(clip.picture, clip.sound, dict(zip(paths, starts, strict=True)), options.out)
+    print(f"{options.out}: {clip.text!r} by the film, {', '.join(Path(one).stem for one in heads)}")
 
 
 if __name__ == "__main__":

@@ -3,11 +3,12 @@
     python benchmarks/lips_of_takes.py FOLDER CLIP OUT.png [-c HEAD] [-l english] [--delay 0.08]
         [--whisper MODEL] [--json FILE]
 
-FOLDER is that of `mouths.py`. Four takes of CLIP are performed on HEAD and measured on its mesh: by
-the text, aligned with the sound; by the words that Whisper hears; by the sound of the whole file
-(the recogniser `sound`); and live, with a delay. Whisper is left out, with a sentence, where it or
-its model is missing. Each take is shown with Pearson's r to the film over the frames of speech.
-The lead of the filmed lips over their sound is that of all clips of the folder, as in `mouths.py`.
+FOLDER is that of `face_on.py`, with tracked lips. Four takes of CLIP are performed on HEAD and
+measured on its mesh: by the text, aligned with the sound; by the words that Whisper hears; by the
+sound of the whole file (the recogniser `sound`); and live, with a delay. Whisper is left out, with
+a sentence, where it or its model is missing. Each take is shown with Pearson's r to the film over
+the frames of speech. The lead of the filmed lips over their sound is that of the clips that
+`face_on.py` judges.
 """
 
 import argparse
@@ -17,9 +18,9 @@ from typing import TYPE_CHECKING
 
 import json_figures
 import numpy as np
+from face_on import EVERY, HEADS, JUDGED, Clips, Head, Lips, filmed, lead
 from listening import listened, sound_of
 from matplotlib.figure import Figure
-from mouths import EVERY, HEADS, JUDGED, Clips, Head, filmed, lead
 from PIL import Image
 
 import lipsync_lang as ll
@@ -70,9 +71,9 @@ def takes(
 
 
 def drawn(
-    film: np.ndarray, lips: dict[str, tuple[np.ndarray, np.ndarray]], schedule: ll.Schedule
+    film: Lips, lips: dict[str, Lips], schedule: ll.Schedule
 ) -> tuple[Figure, dict[str, list[float]]]:
-    """Draw the film, (T, 3), and the takes; return the figure, and both r of each take."""
+    """Draw the film and the takes; return the figure, and both r of each take."""
     figure = Figure((10, 6.2), layout="constrained")
     panels = figure.subplots(2, sharex=True)
     times = film[:, 0]
@@ -83,7 +84,8 @@ def drawn(
     for number, (panel, title) in enumerate(zip(panels, PANELS, strict=True)):
         real = film[:, 1 + number]
         panel.plot(times, real, color=FILM, lw=2.6, label="film")
-        for (name, (at, curves)), (colour, dash) in zip(lips.items(), looks, strict=False):
+        for (name, shown), (colour, dash) in zip(lips.items(), looks, strict=False):
+            at, *curves = shown.T
             mine = np.interp(times[inside], at, curves[number])
             r = float(np.corrcoef(mine, real[inside])[0, 1])
             figures[name].append(r)
@@ -124,13 +126,12 @@ def main() -> None:
         )
     head = Head.of(asked.character, asked.language)
     some = [films[name] for name in sorted(films)[::EVERY][:JUDGED]]
-    schedules = ll.align([one[1] for one in some], [one[0] for one in some], asked.language)
-    clips: Clips = [(one, film[2]) for one, film in zip(schedules, some, strict=True)]
-    text, sound, film = films[asked.clip]
-    audio = read_audio(sound)
-    film = np.add(film, (lead(head, clips), 0.0, 0.0))
-    made = takes(head, text, audio, asked)
-    lips = {name: (one.times, head.lips(one)) for name, one in made.items()}
+    schedules = ll.align([one.sound for one in some], [one.text for one in some], asked.language)
+    clips: Clips = [(one, film.lips) for one, film in zip(schedules, some, strict=True)]
+    clip = films[asked.clip]
+    film = np.add(clip.lips, (lead(head, clips), 0.0, 0.0))
+    made = takes(head, clip.text, read_audio(clip.sound), asked)
+    lips = {name: head.lips(one) for name, one in made.items()}
     figure, figures = drawn(film, lips, made["text"].schedule)
     figure.savefig(asked.out, dpi=100)
     # few colours make a small file

@@ -47,7 +47,7 @@ EMA = "three German sentences of electromagnetic articulography, EMU-webApp's de
 PARTS = {
     "articulation": Part("articulography.py", ["DATA/articulography"], EMA),
     "mouths": Part(
-        "mouths.py",
+        "face_on.py",
         [
             "DATA/films",
             "-c",

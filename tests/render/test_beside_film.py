@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ def benchmark(root, monkeypatch):
     import beside_film
 
     yield beside_film
-    for name in ("beside_film", "mouths"):
+    for name in ("beside_film", "face_on"):
         sys.modules.pop(name, None)
 
 
@@ -49,9 +50,7 @@ def test_pictures_stand_side_by_side_from_the_start_of_the_sound(benchmark, tmp_
 
 
 def test_an_unknown_clip_is_told_with_those_that_there_are(benchmark, tmp_path, monkeypatch):
-    (tmp_path / "one").mkdir()
-    (tmp_path / "one" / "bin.mpg").touch()
-    monkeypatch.setattr(benchmark, "filmed", lambda _: {"bin": ("bin", tmp_path, None)})
+    monkeypatch.setattr(benchmark, "filmed", lambda _: {"bin": SimpleNamespace(picture=tmp_path)})
     monkeypatch.setattr(sys, "argv", ["beside_film.py", str(tmp_path), "bun", "out.mp4"])
     with pytest.raises(SystemExit, match=r"bun is no film of .*: bin"):
         benchmark.main()
