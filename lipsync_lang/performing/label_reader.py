@@ -482,12 +482,9 @@ def _notation(reader: LabelReader, schedule: Schedule) -> Iterator[str]:
     name = next(n for n, one in known.items() if one is chosen)
     labels = {one for one in {*schedule.labels, SILENCE} if not chosen.is_silence(one)} - {SILENCE}
     stated = {one for one in labels if chosen.stated(one) is not None}
-    spelled = set(known) if stated else set()
-    for label in stated:  # one label or two leave no other notation, as a rule
-        spelled &= reader.rivals(chosen, label)[0]
-        if not spelled:
-            break
-    other = {one for one in spelled for label in stated if one in reader.rivals(chosen, label)[1]}
+    rivals = [reader.rivals(chosen, label) for label in stated]
+    spelling = set(known).intersection(*(names for names, _ in rivals))
+    other = spelling & set[str]().union(*(names for _, names in rivals))
     alike = [one for one in known if one in other]
     share = len(stated) / len(labels) if labels else 1.0
     if share >= SURE_SHARE and not alike:
