@@ -153,16 +153,14 @@ def save(compiled: CompiledPair, language: str, character: str, library: "Librar
 
 def keep(path: Path | None, mark: bytes, parts: Iterable[bytes | memoryview]) -> None:
     """Write a sealed file of the cache; a cache that cannot be written is not an error."""
-    from lipsync_lang.base.errors import OutputError
-    from lipsync_lang.base.files import atomic
-
     if path is None:
         return
-    with suppress(OSError, OutputError):
+    with suppress(OSError):
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         if CACHE_VARIABLE not in os.environ:  # a folder named by the user keeps its own permissions
             path.parent.chmod(0o700)
-        with atomic(path) as stream:
+        # without a rename, which takes longer than the writing: a torn file fails its checksum
+        with path.open("wb") as stream:
             stream.writelines(sealed(mark, parts))
 
 
