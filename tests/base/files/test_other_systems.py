@@ -59,6 +59,7 @@ ALLOWED = {
         "text/phonology/espeak/espeak_stream.py",
         "selectors",
     ): "of pipes, only where a process can fork",
+    ("text/phonology/espeak/espeak_stream.py", "register_at_fork"): "where a process can fork",
     ("plugins/mfa/mfa_command.py", "killpg"): "not on Windows, which has taskkill",
     ("plugins/mfa/mfa_command.py", "SIGKILL"): "not on Windows, which has taskkill",
     ("plugins/study/study_clips.py", "sched_getaffinity"): "asked for first",

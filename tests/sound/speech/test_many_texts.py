@@ -1,5 +1,6 @@
 """Many texts at once: the same results as one by one, even if some fail."""
 
+import os
 import sys
 from dataclasses import replace
 from itertools import count, islice
@@ -15,7 +16,8 @@ from lipsync_lang.sound.speech import ENGINES, speak_many
 from lipsync_lang.sound.speech.results import BATCH_TEXTS
 from lipsync_lang.sound.speech.speaking.espeak import MAX_ESPEAK_CHARS, Espeak
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
-from lipsync_lang.text.phonology.espeak.espeak_stream import TEXTS_AHEAD
+from lipsync_lang.text.phonology.espeak import espeak_stream
+from lipsync_lang.text.phonology.espeak.espeak_stream import TEXTS_AHEAD, close_idle
 from lipsync_lang.text.phonology.espeak.process import WORKER
 from lipsync_lang.text.phonology.g2p import SpokenWord
 from lipsync_lang.text.phonology.g2p.g2p_engines import G2P_ENGINES
@@ -249,6 +251,37 @@ def test_voices_say_the_same_of_many(voice, how):
     together = list(speak_many(texts, voice, **how))
     alone = [next(speak_many([text], voice, **how)) for text in texts]
     assert list(map(plain, together)) == list(map(plain, alone))
+
+
+@needs_fork
+def test_batches_share_a_worker_until_another_voice_speaks():
+    pytest.importorskip("espeakng_loader")
+    close_idle()
+    engine, workers = Espeak(), []
+    for voice in ("en-us", "en-us", "de"):
+        first, second = engine.speak_many(["a", "b"], voice)
+        assert plain(first) != plain(second)
+        assert plain(first) == plain(engine.speak("a", voice)), "as fresh as a first text"
+        (stream,) = espeak_stream.IDLE.values()
+        workers.append(stream.worker)
+    assert workers[0] is workers[1]
+    assert [one.poll() is None for one in workers] == [False, False, True]
+    left = engine.speak_many(["a", "b"], "de")
+    next(left)
+    left.close()
+    assert not espeak_stream.IDLE, "a worker that owes an answer serves nobody else"
+    assert workers[2].poll() is not None
+
+
+@needs_fork
+def test_a_forked_process_has_a_worker_of_its_own():
+    pytest.importorskip("espeakng_loader")
+    list(Espeak().speak_many(["a", "b"], "en-us"))
+    child = os.fork()
+    if not child:
+        os._exit(len(espeak_stream.IDLE))
+    assert os.waitpid(child, 0)[1] == 0
+    assert len(espeak_stream.IDLE) == 1
 
 
 @full

@@ -5,6 +5,7 @@ of `EspeakProcess.ask`, byte for byte, and a text that crashes or hangs takes no
 worker itself is lost, the text at hand is spoken by `ask`, and a new worker speaks the rest.
 """
 
+import atexit
 import json
 import os
 import selectors
@@ -15,7 +16,7 @@ import tempfile
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator
-from contextlib import closing
+from contextlib import ExitStack
 from subprocess import PIPE
 from typing import IO, Any
 
@@ -43,6 +44,9 @@ FORKS = hasattr(os, "fork") and sys.platform != "darwin"
 WorkerReply = tuple[Any, bytes]
 """Header and sound."""
 
+IDLE: "dict[tuple[object, ...], _WorkerStream]" = {}
+"""The worker of the last texts, which waits for more: a build speaks its lines in batches."""
+
 
 class _WorkerLostError(Exception):
     """The worker ended, hung or sent garbage while a text was spoken."""
@@ -58,14 +62,16 @@ def answers(
     """
     source = iter(texts)
     waiting = deque([text for text in [next(source, None)] if text is not None])
+    known = (*vars(process).values(), voice, rate)
     while waiting:
         try:
-            stream = _WorkerStream(process, voice, rate, waiting[0])
+            stream = IDLE.pop(known, None) or _WorkerStream(process, voice, rate, waiting[0])
         except SpeechError as error:
             yield from (error for _ in waiting)
             yield from (error for _ in source)
             return
-        with closing(stream):
+        with ExitStack() as stack:
+            stack.callback(stream.close)
             try:
                 yield from stream.answers(source, waiting)
             except _WorkerLostError:
@@ -73,6 +79,22 @@ def answers(
                     yield process.ask("speak", text=waiting.popleft(), voice=voice, rate=rate)
                 except SpeechError as error:
                     yield error
+            else:
+                stack.pop_all()
+                close_idle()  # of another voice
+                IDLE[known] = stream
+
+
+@atexit.register
+def close_idle() -> None:
+    """End the worker that waits for further texts."""
+    for known in [*IDLE]:
+        if stream := IDLE.pop(known, None):  # another thread may have taken it
+            stream.close()
+
+
+if FORKS:  # a forked process would share the pipes of its parent's worker
+    os.register_at_fork(after_in_child=IDLE.clear)
 
 
 class _WorkerStream:
