@@ -128,25 +128,8 @@ StatedRules = Annotated[
     Discriminator(_rules_form),
 ]
 
-NumeralShape = Annotated[str, Field(pattern=r"^~\.?$")]
-"""A Roman numeral, or one with a full stop."""
-
-
-class Numerals(Strict):
-    """Roman numerals, and the words before them."""
-
-    counted: tuple[Text, ...] = ()
-    """Words before a cardinal number, such as `chapter`."""
-    named: tuple[Text, ...] = ()
-    """Words before an ordinal number: names of rulers. `king *` is `king` with any name."""
-    ordinals: tuple[Text, ...] = ()
-    """Ordinal numbers from 1; later ones are read as cardinal numbers."""
-    like: dict[NumeralShape, Annotated[str, Field(pattern="#")]] = Field(default={})
-    """The digits whose reading a numeral of two letters or more has before a word: with
-    `"~.": "#."`, `im II. Stock` is read like `im 2. Stock`."""
-    words: Annotated[dict[Text, tuple[Text, ...] | None], OrNames] = Field(default={})
-    """Numerals that are words too, such as the English `I`: no numeral before a small letter,
-    except before the words stated, as in `I: [of]`."""
+NumeralShape = Annotated[str, Field(pattern=r"^(?:\w+ )?~\.?$")]
+"""A Roman numeral, perhaps behind a word or with a full stop."""
 
 
 def _each_spelling(value: Data) -> Data:
@@ -163,6 +146,26 @@ def _each_spelling(value: Data) -> Data:
                 raise PydanticCustomError("P119", what, context)
             found[spelling] = words
     return found
+
+
+class Numerals(Strict):
+    """Roman numerals, and the words before them."""
+
+    counted: tuple[Text, ...] = ()
+    """Words before a cardinal number, such as `chapter`."""
+    named: tuple[Text, ...] = ()
+    """Words before an ordinal number: names of rulers. `king *` is `king` with any name."""
+    ordinals: tuple[Text, ...] = ()
+    """Ordinal numbers from 1; later ones are read as cardinal numbers."""
+    like: Annotated[
+        dict[NumeralShape, Annotated[str, Field(pattern="#")]], Short(_each_spelling)
+    ] = Field(default={})
+    """The digits whose reading a numeral of two letters or more has before a word: with
+    `"~.": "#."`, `im II. Stock` is read like `im 2. Stock`, and with `"la ~ | una ~": "#ª"`,
+    `la III edición` like `la 3ª edición`."""
+    words: Annotated[dict[Text, tuple[Text, ...] | None], OrNames] = Field(default={})
+    """Numerals that are words too, such as the English `I`: no numeral before a small letter,
+    except before the words stated, as in `I: [of]`."""
 
 
 def parts_of(spelling: str) -> tuple[list[str], list[str]]:

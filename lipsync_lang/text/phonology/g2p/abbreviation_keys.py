@@ -125,8 +125,9 @@ class AbbreviationKeys:
         between = re.escape(forms.thousands) + _SPACES
         joins = "|".join(map(re.escape, forms.joins))
         item = r"\d\d?(?![^\W_]|[.:]\d)\.?"
-        comma = rf"(?:,|,? (?:{joins})) "
-        self._lists = joins and re.compile(rf"(?<![\w.,:/-]){item}(?:{comma}{item})+")
+        # `via Po 15, 4° piano` is no list
+        listed = rf"(?<![\w.,:/-])(?:{item}(?:,|,? (?:{joins})) )*{item},? (?:{joins}) {item}"
+        self._lists = joins and re.compile(listed)
         self._grouped = re.compile(
             rf"(?<!\d[{_SPACES}])(?:(?!0)\d{{1,3}}(?:[{between}]\d{{3}})+|\d\d?(?:,\d\d)+,\d{{3}})"
             rf"(?![{between}]?\d)"
@@ -152,7 +153,7 @@ class AbbreviationKeys:
         """Yield patterns of the places at which a key may begin."""
         for key in self._expansions:
             if key[0] == "…":
-                end = r"(?!\d)" if key[-1] == "…" else r"(?!\w)"
+                end = r"(?!\d)" if key[-1] == "…" else r"(?!\w|[.,]\d)"
                 yield rf"(?<=[^\W\d_]){re.escape(key.strip('…'))}{end}"
         yield r"(?<!\d)(?<!\d[.,/:-])\d"
         yield _SIGNED_DIGIT
@@ -466,7 +467,7 @@ _AFTER_NAME = re.compile(
 _AFTER_OTHER_NAME = re.compile(r"(?<!\w)[Ά-ΩЀ-Я][ά-ώа-џґ]+ (?P<numeral>[IVX]{1,7})(?!\w)" + _DOT)
 """A name in other letters, where no numeral is a word or a letter."""
 _BEFORE_WORD = re.compile(
-    r"(?P<name>[^\W\d_a-zß-ÿа-џ]\w{3,} )?(?<!\w)(?P<numeral>[IVX]{2,7})(?P<dot>\.?)(?= [^\W\d_]{2})"
+    r"(?<!\w)(?P<word>\w+ |)(?P<shape>(?P<numeral>[IVX]{2,7})(?P<dot>\.?))(?= [^\W\d_]{2})"
 )
 _NEXT_WORD = re.compile(r"\s+([a-z]+)")
 _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
@@ -558,12 +559,14 @@ class Expansions:
 
     def _before_word(self, text: str) -> Iterator[Replacement]:
         """Yield Roman numerals before a word, read as digits are in their place: `II. Stock`."""
-        for one in _BEFORE_WORD.finditer(text) if self._forms.numerals_like else ():
-            (start, _), stop = one.span("numeral"), one.end()
-            like = self._forms.numerals_like.get(f"~{one['dot']}", "")
-            digits = like.replace("#", str(roman(one["numeral"]) or ""))
+        likes = self._forms.numerals_like
+        for one in _BEFORE_WORD.finditer(text) if likes else ():
+            (start, stop), word, shape = one.span("shape"), one["word"], f"~{one['dot']}"
             # `Otto II. Der` is a name, and `Der II. Stock` is none
-            read = digits != like and not one["name"]
+            name = word[4:] and not word[0].islower()
+            like = likes.get(word.lower() + shape) or likes.get("" if name else shape, "")
+            digits = like.replace("#", str(roman(one["numeral"]) or ""))
+            read = digits != like
             for found in self._keys.find(text[:start] + digits + text[stop:]) if read else ():
                 if found.start <= start < found.stop:
                     yield found._replace(stop=found.stop + stop - start - len(digits))
