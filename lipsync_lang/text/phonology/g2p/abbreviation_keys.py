@@ -549,12 +549,13 @@ class Expansions:
                 if not bare and any(map(is_spaced, beside)):
                     continue
                 numeral, words = one["numeral"], self._forms.numeral_words
+                like = bare and one[0].replace(numeral, "~").lower() in self._forms.numerals_like
                 number = roman(numeral)
                 ordinal = 0 < number <= len(ordinals)
                 read = ordinals[number - 1] if ordinal else self._keys.respelled(str(number))
                 next_word = _NEXT_WORD.match(text, one.end("numeral")) if numeral in words else None
                 word = next_word and next_word[1] not in (words[numeral] or ())
-                if number and not (word or (bare and one[0][0].islower())):
+                if number and not (word or like or (bare and one[0][0].islower())):
                     yield Replacement(one.start("numeral"), one.end(), read)
 
     def _before_word(self, text: str) -> Iterator[Replacement]:
