@@ -162,9 +162,10 @@ def _without_tags(words: list[LabelRow]) -> list[LabelRow]:
 
 
 def _parted(source: TimingFile, words: list[LabelRow], overlaps: Overlaps) -> list[LabelRow]:
-    """Close overlaps due to rounding, and merge words without length with a neighbour."""
+    """Close overlaps due to rounding; a word without length joins its nearer neighbour."""
     parted: list[LabelRow] = []
-    texts: list[list[str]] = []
+    texts: list[list[str]] = [[]]
+    waiting: list[LabelRow] = []  # words without length, until the next with one
     for word in words:
         check_span(source, word)
         before = parted[-1] if parted else None
@@ -176,13 +177,15 @@ def _parted(source: TimingFile, words: list[LabelRow], overlaps: Overlaps) -> li
             start = max((start + before.end) / 2, before.start)
             if word.end > start > before.start:
                 parted[-1] = before._replace(end=start)
-        if before is not None and (before.end <= before.start or word.end <= start):
-            end = max(word.end, before.end)
-            parted[-1] = before._replace(end=end)
-            texts[-1].append(word.label)
-        else:
-            parted.append(word._replace(start=start))
-            texts.append([word.label])
-    if parted[-1].end <= parted[-1].start:
-        raise without_length(source, parted[-1])
-    return [row._replace(label=" ".join(said)) for row, said in zip(parted, texts, strict=True)]
+        if word.end <= start:
+            waiting.append(word)
+            continue
+        late = [z for z in waiting if before is None or start - z.start < z.start - before.end]
+        texts[-1] += [one.label for one in waiting[: len(waiting) - len(late)]]
+        parted.append(word._replace(start=start))
+        texts.append([*(one.label for one in late), word.label])
+        waiting = []
+    if not parted:
+        raise without_length(source, waiting[-1])
+    texts[-1] += [one.label for one in waiting]
+    return [row._replace(label=" ".join(said)) for row, said in zip(parted, texts[1:], strict=True)]

@@ -66,6 +66,20 @@ def test_a_word_without_length_shares_the_time_of_its_neighbour():
 
 
 @pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ([("a", 0.2, 0.2), ("map", 1, 1.5)], [("a map", 1, 1.5)]),
+        ([("map", 0.2, 0.5), ("a", 0.6, 0.6), ("m", 2, 3)], [("map a", 0.2, 0.5), ("m", 2, 3)]),
+        ([("map", 0.2, 0.5), ("a", 1.9, 1.9), ("m", 2, 3)], [("map", 0.2, 0.5), ("a m", 2, 3)]),
+        ([("a", 0.2, 0.2), ("s", 1, 1), ("map", 2, 3)], [("a s map", 2, 3)]),
+        ([("map", 0.2, 0.5), ("a", 4, 4), ("s", 5, 5)], [("map a s", 0.2, 0.5)]),
+    ],
+)
+def test_a_word_without_length_stretches_no_neighbour_across_a_gap(words, said):
+    assert spans(made(*words)) == said
+
+
+@pytest.mark.parametrize(
     ("words", "message"),
     [
         ([("", 0, 1)], "has no words"),
