@@ -100,6 +100,7 @@ def _settings(language: "Pack[models.Language]", common: "models.Phonemes") -> S
         otherwise=g2p.otherwise,
         foreign_voice=common.text.foreign_voice if common.text else "",
         foreign=tuple(_foreign(model, common)),
+        vowels=common.text.vowels if common.text else "",
         native=g2p.native,
         whole=tuple(
             (word, one.say)
@@ -203,17 +204,11 @@ def abbreviations_of(text: "LanguageText", vowels: str) -> dict[str, str]:
     """Return the abbreviations of a language with its ranks, which are titles."""
     said = dict(text.abbreviations)
     for rank, words in text.ranks.items():
-        elsewhere = words if _ends_no_sentence(rank, vowels) else ""
+        # `sgt.` is no word that ends a sentence; alphabets without small letters write few vowels
+        sure = rank[3:].endswith(".") and rank.islower() and spelled_out(rank[:-1], vowels)
         # before a name with a capital the rank is said, otherwise what follows the bars
-        said[rank] = f"{words}||{said.get(rank, elsewhere)}"
+        said[rank] = f"{words}||{said.get(rank, words if sure else '')}"
     return said
-
-
-def _ends_no_sentence(rank: str, vowels: str) -> bool:
-    """Return True for a rank such as `sgt.`: three letters without a vowel are no word."""
-    stopped = rank[3:].endswith(".")
-    # alphabets without small letters write few vowels
-    return stopped and rank.islower() and spelled_out(rank[:-1], vowels)
 
 
 def _nearest(

@@ -50,7 +50,6 @@ _RANGE_SIGN = re.compile(
 Keys with the sign itself precede those with `〜`."""
 _RANGE_KEY = "#〜#"
 _ABOUT = re.compile("[~∼～](?= ?[0-9])")
-_OPTIONAL_SPACE = "[ \u00a0\u202f]?"
 _NUMBER_RUN = re.compile("-?[\\d., \u00a0\u202f]{1,40}\\D?")
 """A number with the sign behind it."""
 _SIGN_BEHIND = re.compile("\\d[ \u00a0\u202f]?(\\D)")
@@ -163,8 +162,7 @@ class AbbreviationKeys:
             yield f"(?<![A-Za-z])[{letters}]"
         # `½` is a sign, too
         signs = (one for one in firsts if not (one.isalpha() or one.isdecimal() or one == "-"))
-        if escaped := "".join(map(re.escape, signs)):
-            yield f"[{escaped}]"
+        yield f"[{''.join(map(re.escape, signs))}]"
         if self._between:
             yield r"(?:(?<=[\w%€℃])|(?<=\d ))〜(?= ?[^\w\s]?\d)"
 
@@ -427,7 +425,7 @@ def _expression(key: str) -> re.Pattern[str]:
     parts = [
         (_NUMBER_PATTERN if part == "#" else rf"(\d{{{len(part)}}})")
         if part.startswith("#")
-        else _OPTIONAL_SPACE.rstrip("?" if part == "\0" else "")
+        else f"[{_SPACES}]" + "?" * (part == " ")
         if part in " \0"
         else _LETTERS
         if part == "*"
@@ -540,9 +538,7 @@ class Expansions:
                     yield Replacement(*one.span(), f" {said[0]} ")
 
     def _roman(self, text: str) -> Iterator[Replacement]:
-        if not _NUMERAL_LETTERS.search(text):
-            return
-        for pattern, ordinals in self._numerals:
+        for pattern, ordinals in self._numerals if _NUMERAL_LETTERS.search(text) else ():
             bare = pattern in (_AFTER_NAME, _AFTER_OTHER_NAME)
             for one in pattern.finditer(text):
                 beside = text[max(one.start() - 1, 0) : one.start()], text[one.end("numeral") :][:1]
@@ -567,8 +563,7 @@ class Expansions:
             name = word[4:] and not word[0].islower()
             like = likes.get(word.lower() + shape) or likes.get("" if name else shape, "")
             digits = like.replace("#", str(roman(one["numeral"]) or ""))
-            read = digits != like
-            for found in self._keys.find(text[:start] + digits + text[stop:]) if read else ():
+            for found in self._keys.find(text[:start] + digits + text[stop:]) if like else ():
                 if found.start <= start < found.stop:
                     yield found._replace(stop=found.stop + stop - start - len(digits))
 

@@ -74,6 +74,7 @@ class Settings:
     `respell` names one of `RESPELLERS`, and `otherwise` the engine that reads where the library of
     the first is not installed. `foreign_voice` says words in Latin letters that the engine does not
     read, and `foreign` turns its sounds into labels. Words like the expression `native` are read.
+    Capitals without one of the letters `vowels` are spelled.
     `backend` is phonemizer's, and `column` that of a profile with the sounds. `whole` are the
     pack's words in a script without spaces, which are not cut, each with its spelling, if any.
     """
@@ -93,6 +94,7 @@ class Settings:
     foreign_voice: str = ""
     foreign: tuple[Rule, ...] = ()
     native: str = ""
+    vowels: str = ""
     whole: tuple[tuple[str, str], ...] = ()
 
 

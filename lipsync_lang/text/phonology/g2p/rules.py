@@ -34,9 +34,6 @@ from lipsync_lang.text.phonology.g2p.g2p_engines import (
 from lipsync_lang.text.phonology.g2p.tokens import plain, read_words
 from lipsync_lang.text.phonology.labels import normalise
 
-_ABBREVIATION = re.compile("[^a-z]{,3}|[^AEIOUa-z]+")
-"""Capitals that are spelled: few ones, or without a vowel; others are a word, as `FAILED`."""
-
 SLOW = "and those before it with the same first letter could take too long"
 QUICKER = "use fewer rules for the letter, or fewer repeats in their contexts"
 
@@ -119,7 +116,7 @@ def engine(settings: Settings) -> G2PEngine:
     def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
         if settings.foreign:
             latin = (word for text in texts for word in _LATIN_WORD.findall(text) if word[1:])
-            whole = (word.lower() for word in latin if not _ABBREVIATION.fullmatch(word))
+            whole = (word.lower() for word in latin if not foreign.spelled(word))
             foreign.ahead(whole if settings.readings else latin)
         for text in texts:
             yield tuple(_read(text))
@@ -157,6 +154,9 @@ class ForeignReader:
         self._rewriter = Rewriter(settings.foreign, settings.labels)
         self._native = Surroundings.compiled(f"(?:{settings.native})$", "", "`native`")
         self._known: dict[str, tuple[str, ...]] = {}
+        vowels = re.escape(settings.vowels.upper())
+        self.spelled = re.compile(f"[^a-z]{{,3}}|[^a-z{vowels}]+").fullmatch
+        """Match capitals that are spelled: few, or without a vowel; `FAILED` is a word."""
 
     def __call__(self, word: str) -> tuple[str, ...]:
         """Return the labels of a word."""
@@ -228,7 +228,7 @@ def _by_syllables(word: str, respelled: str, readings: Rewriter, foreign: Foreig
     A word without readings has those of its sounds in another voice.
     Names of letters are longer than the word; they are kept if it is an abbreviation.
     """
-    if len(respelled) <= len(word) or _ABBREVIATION.fullmatch(word):
+    if len(respelled) <= len(word) or foreign.spelled(word):
         return respelled
     read = readings.read(word)
     if read.unread:

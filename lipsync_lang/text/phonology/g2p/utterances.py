@@ -310,8 +310,6 @@ def _filled(
 
 def _apart(own: list[Replacement], others: list[Replacement]) -> list[Replacement]:
     """Return all replacements in order; one gives way to an own word unless it holds more."""
-    if not own:
-        return others
     taken = {place: one for one in own for place in range(one.start, one.stop)}
     kept = set(own)
     for one in others:
