@@ -247,6 +247,29 @@ def test_a_title_that_means_something_else_needs_a_name():
         assert [found.read for found in expansions.find(text)] == ["Street"]
 
 
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        ("um kl. 9.00. Der", "um klokken 9. Der"),
+        ("l'1 maggio, l'1,5 kg", "l'uno maggio, l'1,5 kg"),
+        ("La III Cumbre", "La third Cumbre"),
+        ("La zona III es", "La zona III es"),
+        ("via Po 3, 2° piano", "via Po 3, second piano"),
+        ("al 1, 3 e 2° piano", "al first, third e second piano"),
+    ],
+)
+def test_a_numeral_is_read_as_its_neighbours_show(written, said):
+    keys = {"kl. #.00": "klokken {1}", "#.": "{1:nth}", "…'1": "'uno", "#ª": "{1:nth}"}
+    forms = SpokenForms(
+        abbreviations=keys | {"#° *": "{1:nth} {2}"},
+        numbers={"nth": ("first", "second", "third")},
+        numerals_like={"la ~": "#ª"},
+        counted=("capitolo",),
+        joins=("e",),
+    )
+    assert respelled(written, Expansions(forms).find(written)) == said
+
+
 @pytest.mark.parametrize(("after", "stops"), [(" and", 0), (" And", 1), (", and", 1), ("", 1)])
 def test_the_stop_of_a_unit_ends_no_sentence_before_a_small_letter(after, stops):
     utterances = Utterances(Speaker.of("english").manner.forms, {}, str.islower)

@@ -254,7 +254,8 @@ class AbbreviationKeys:
             found = match
         if before := _BEFORE_ALONE.fullmatch(read):
             unit, after = self._match(found.string, found.start(1))
-            if unit and unit.end() > found.end() == unit.end(unit.lastindex or 0):
+            # the number of `kl. 9.00.` ends before the zeros
+            if unit and found.end(1) == found.end() == unit.end(unit.lastindex or 0) < unit.end():
                 return unit.end(), words + before[1] + self._expanded(unit, after)
         return found.end(), words + self._expanded(found, read)
 
