@@ -37,6 +37,8 @@ MOST_SOUNDS, MOST_WORDS = 8, 3
 HELD_SOUND_SECONDS = 0.5
 """Duration of each sound, and of the silence around it."""
 
+MOUTHS_IN_ROW = 8
+
 
 @dataclass(frozen=True)
 class LanguageCheck:
@@ -174,11 +176,11 @@ def mouths_to_draw(sounds: Mapping[str, Any], named: Sequence[str] = ()) -> list
 def draw_mouths(
     performers: Sequence[Performer], shown: Sequence[Mapping[str, Any]], out: BinaryIO
 ) -> None:
-    """Draw a PNG with a still of each sound and a word, for each performer beside the others.
+    """Draw a PNG with a still of each sound and a word, each performer below the others.
 
     Raises OutputError if Pillow is missing, or a character has no model.
     """
-    from lipsync_lang.render.sheet import moments, side_by_side
+    from lipsync_lang.render.sheet import moments, stacked
 
     labels = [SILENCE, *chain.from_iterable((row["label"], SILENCE) for row in shown)]
     times = np.arange(len(labels) + 1, dtype=np.float64) * HELD_SOUND_SECONDS
@@ -192,9 +194,9 @@ def draw_mouths(
     for performer in performers:
         sheet = BytesIO()
         animation = performer.rigged(performer.perform(schedule))
-        moments(animation, middles.tolist(), sheet, close=True)
+        moments(animation, middles.tolist(), sheet, close=True, columns=MOUTHS_IN_ROW)
         sheets[performer.character] = sheet.getvalue()
     if len(sheets) == 1:
         out.write(*sheets.values())
     else:
-        side_by_side(sheets, out)
+        stacked(sheets, out)

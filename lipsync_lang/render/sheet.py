@@ -1,6 +1,6 @@
 """Contact sheet: stills of the most different faces of a line, each with its word and time."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from io import BytesIO
@@ -15,7 +15,7 @@ from lipsync_lang.base.arrays import Ints
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.render.fonts import find_fonts, legible, letters_of, split_letters, warn_of
 from lipsync_lang.render.model.camera import close_up
-from lipsync_lang.render.model.picture import Artist
+from lipsync_lang.render.model.picture import Artist, Pixels
 from lipsync_lang.render.model.scene import pillow
 from lipsync_lang.render.staging import staged, sweep
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
@@ -40,6 +40,8 @@ MISSING_CHARACTER = "\U0010fffe"
 Still = tuple[float, str, str]
 """A moment of a line in seconds of its schedule, with its sound and its word."""
 
+Draw = Callable[[float], Pixels]
+
 
 def sheet(animation: Animation, out: BinaryIO) -> None:
     """Draw the most different faces of a line; an OutputError if there is nothing to draw."""
@@ -47,12 +49,14 @@ def sheet(animation: Animation, out: BinaryIO) -> None:
     scene, schedule = staged(animation), animation.schedule
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
     stills = [_still(schedule, float(middles[number])) for number in _chosen(animation)]
-    _paste(stills, Artist(scene, CELL), scene.sound, out)
+    artist = Artist(scene, CELL)
+    draw_stills(stills, lambda seconds: artist.draw(seconds + scene.sound), out, COLUMNS)
 
 
 def moments(
-    animation: Animation, seconds: Sequence[float], out: BinaryIO, *, close: bool = False
-) -> None:
+    animation: Animation, seconds: Sequence[float], out: BinaryIO, *, close: bool = False,
+    columns: int = COLUMNS,
+) -> None:  # fmt: skip
     """Draw the faces of a line at some seconds of its schedule, with one camera for a model.
 
     `close` shows the mouth alone. Raises OutputError if a time is outside the animation, Pillow is
@@ -67,21 +71,25 @@ def moments(
     scene, swept = staged(animation), staged(sweep(animation))
     camera = close_up(swept) if close else None
     stills = [_still(animation.schedule, one) for one in seconds]
-    _paste(stills, Artist(scene, CELL, camera, swept), scene.sound, out)
+    artist = Artist(scene, CELL, camera, swept)
+    draw_stills(stills, lambda seconds: artist.draw(seconds + scene.sound), out, columns)
 
 
-def side_by_side(sheets: Mapping[str, bytes], out: BinaryIO) -> None:
-    """Write PNG sheets beside each other, each under its name."""
+def stacked(sheets: Mapping[str, bytes], out: BinaryIO) -> None:
+    """Write PNG sheets of the same stills, row by row below each other, each under its name."""
     image = pillow()
     from PIL import ImageDraw
 
     opened = [image.open(BytesIO(sheet)) for sheet in sheets.values()]
-    size = sum(one.width for one in opened), max(one.height for one in opened) + FOOT
-    page, left = image.new("RGB", size, PAPER), 0
-    for name, one in zip(sheets, opened, strict=True):
-        _write(ImageDraw.Draw(page), (left + EDGE, EDGE), _plain(name, 60), 28, INK)
-        page.paste(one, (left, FOOT))
-        left += one.width
+    high, (width, height) = CELL + FOOT, opened[0].size
+    tops = range(EDGE, height - EDGE, high)
+    size = width, len(tops) * len(opened) * (high + FOOT)
+    page, below = image.new("RGB", size, PAPER), 0
+    for top in tops:
+        for name, one in zip(sheets, opened, strict=True):
+            _write(ImageDraw.Draw(page), (EDGE, below + EDGE), _plain(name, 60), 28, INK)
+            page.paste(one.crop((0, top, width, top + high)), (0, below + FOOT))
+            below += high + FOOT
     page.save(out, "PNG", optimize=True)
 
 
@@ -93,12 +101,12 @@ def _still(schedule: Schedule, seconds: float) -> Still:
     return seconds, schedule.labels[number], word.text if word else ""
 
 
-def _paste(stills: Sequence[Still], artist: Artist, start: float, out: BinaryIO) -> None:
-    """Write a sheet of stills of an animation whose sound begins at `start` seconds."""
+def draw_stills(stills: Sequence[Still], draw_at: Draw, out: BinaryIO, columns: int) -> None:
+    """Write a sheet of stills, of which `draw_at` draws that of a second, (CELL, CELL, 3)."""
     image = pillow()
     from PIL import ImageDraw
 
-    columns = min(COLUMNS, len(stills))
+    columns = min(columns, len(stills))
     rows = -(-len(stills) // columns)
     size = (2 * EDGE - GAP + columns * (CELL + GAP), 2 * EDGE + rows * (CELL + FOOT))
     page = image.new("RGB", size, PAPER)
@@ -106,7 +114,7 @@ def _paste(stills: Sequence[Still], artist: Artist, start: float, out: BinaryIO)
     for place, (seconds, sound, word) in enumerate(stills):
         row, column = divmod(place, columns)
         left, top = EDGE + column * (CELL + GAP), EDGE + row * (CELL + FOOT)
-        page.paste(image.fromarray(artist.draw(seconds + start)), (left, top))
+        page.paste(image.fromarray(draw_at(seconds)), (left, top))
         caption = top + CELL
         _write(draw, (left, caption + 4), _plain(sound, 12), 20, INK)
         if shown := _plain(word, 24):

@@ -6,6 +6,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from PIL import Image
+
+import lipsync_lang as ll
 
 FPS, LATE_SECONDS = 25, 0.4
 
@@ -47,6 +50,72 @@ def test_pictures_stand_side_by_side_from_the_start_of_the_sound(benchmark, tmp_
     assert abs(turns[1] - turns[0]) <= 1
     heard = np.frombuffer(run("-i", out, "-vn", "-f", "s16le", "-"), np.int16)
     assert np.abs(heard).max() > 1000
+
+
+def test_a_sound_is_shown_where_it_has_its_median_length(benchmark, monkeypatch, tmp_path):
+    """A clip without a picture does not count."""
+    line = ll.Schedule(
+        tuple("_MAMAM_"), np.cumsum([0, 0.5, 0.1, 0.3, 0.2, 0.1, 0.6, 0.5]), notation="ipa"
+    )
+    film = benchmark.Film("mama", tmp_path / "a.ogg", None, tmp_path / "a.mpg")
+    heard = []
+    monkeypatch.setattr(ll, "align", lambda sounds, *_: heard.extend(sounds) or [line])
+    films = {"a": film, "b": film._replace(sound=tmp_path / "b.ogg", picture=None)}
+    same = SimpleNamespace(phonemes=("_", "bmp", "aa"))
+    performer = SimpleNamespace(
+        language="english",
+        compiled=same,
+        common_phonemes=lambda _: (np.array([0, 1, 2, 1, 2, 1, 0]), line.times, None),
+    )
+    found = benchmark.moments_of(films, ["m", "bmp", "aa"], performer)
+    assert heard == [tmp_path / "a.ogg"]
+    assert [one.seconds for one in found] == pytest.approx([1.0, 1.0, 0.75])
+    with pytest.raises(SystemExit, match="no film has the sound sh: _ a aa bmp m"):
+        benchmark.moments_of(films, ["sh"], performer)
+
+
+def test_a_sheet_shows_the_film_above_the_heads(benchmark, monkeypatch, tmp_path):
+    seen = {}
+    line = ll.Schedule(("_", "m", "_"), (0, 0.5, 0.7, 1))
+    moment = benchmark.Moment(benchmark.Film("mm", tmp_path, None, tmp_path / "a"), line, 0.6)
+    grey = {"film": 40, "face": 200}
+
+    def cell(kind):
+        return lambda *_: np.full((benchmark.CELL, benchmark.CELL, 3), grey[kind], np.uint8)
+
+    monkeypatch.setattr(benchmark, "find_ffmpeg", lambda: "ffmpeg")
+    monkeypatch.setattr(benchmark, "filmed", lambda _: {})
+    monkeypatch.setattr(
+        benchmark, "moments_of", lambda _, sounds, __: seen.update(sounds=sounds) or [moment]
+    )
+    monkeypatch.setattr(benchmark, "frame", cell("film"))
+    monkeypatch.setattr(benchmark, "face", cell("face"))
+    out = tmp_path / "sheet.png"
+    monkeypatch.setattr(sys, "argv", ["beside_film.py", str(tmp_path), "M", str(out)])
+    benchmark.main()
+    assert seen["sounds"] == ["m"]
+    with Image.open(out) as picture:
+        column = np.asarray(picture.convert("L"))[:, picture.width // 2]
+    rows = [np.flatnonzero(column == one) for one in (40, 200)]
+    assert all(len(one) >= benchmark.CELL for one in rows)
+    assert rows[0].max() < rows[1].min()
+
+
+def test_a_frame_is_taken_where_the_lips_of_the_sound_are(benchmark, tmp_path):
+    program = pytest.importorskip("imageio_ffmpeg", reason="needs the extra video").get_ffmpeg_exe()
+    picture = f"color=black:100x80:r={FPS}:d=2,drawbox=c=white:t=fill:enable='gte(t,1)'"
+    clip = tmp_path / "a.mpg"
+    quiet = [program, "-loglevel", "error", "-nostdin", "-y", "-f", "lavfi", "-i", picture, clip]
+    subprocess.run([*map(str, quiet)], check=True)
+    film = benchmark.Film("", tmp_path, None, clip)
+    line = ll.Schedule(("_",), (0, 2))
+    bright = [
+        benchmark.frame(benchmark.Moment(film, line, 1.1), ahead, "40:40:0:0").mean() > 128
+        for ahead in (0.0, 0.2)
+    ]
+    assert bright == [True, False]
+    with pytest.raises(SystemExit, match=r"no frame at 1\.10 s"):
+        benchmark.frame(benchmark.Moment(film, line, 1.1), 0.0, "400:400:0:0")
 
 
 def test_an_unknown_clip_is_told_with_those_that_there_are(benchmark, tmp_path, monkeypatch):
