@@ -134,17 +134,14 @@ def filmed(folder: Path) -> dict[str, Film]:
     pictures = {one.stem: one for one in sorted(folder.rglob("*")) if one.suffix.lower() in KINDS}
     for texts in sorted(folder.glob("*_texts.tsv")):
         name = texts.name.removesuffix("_texts.tsv")
-        rows = defaultdict(list)
-        with gzip.open(folder / f"{name}_lips.tsv.gz", "rt", encoding="utf-8") as stream:
-            for row in csv.DictReader(stream, delimiter="\t"):
-                values = (row[key] for key in ("second", "inner_gap", "width"))
-                rows[row["clip"]].append([float(value or "nan") for value in values])
-        lips = dict(zip(rows, scaled([np.array(one) for one in rows.values()]), strict=True))
-        with texts.open(encoding="utf-8") as stream:
-            for row in csv.DictReader(stream, delimiter="\t"):
-                clip = row["clip"]
-                sound = folder / f"{name}_sound" / f"{clip}.ogg"
-                found[clip] = Film(row["text"], sound, lips[clip], pictures.get(clip))
+        try:
+            lips = tracked_before(folder / f"{name}_lips.tsv.gz")
+            with texts.open(encoding="utf-8") as stream:
+                for row in csv.DictReader(stream, delimiter="\t"):
+                    clip, sound = row["clip"], folder / f"{name}_sound" / f"{row['clip']}.ogg"
+                    found[clip] = Film(row["text"], sound, lips.get(clip), pictures.get(clip))
+        except (OSError, KeyError, ValueError) as error:
+            sys.exit(f"{texts}, or the lips beside it: {type(error).__name__}: {error}")
     for name, picture in pictures.items():
         text = picture.with_suffix(".txt")
         if name not in found and text.exists():
@@ -155,6 +152,16 @@ def filmed(folder: Path) -> dict[str, Film]:
             "or NAME_texts.tsv beside NAME_lips.tsv.gz and NAME_sound/"
         )
     return found
+
+
+def tracked_before(file: Path) -> dict[str, Lips]:
+    """Read the lips of clips by name."""
+    rows = defaultdict(list)
+    with gzip.open(file, "rt", encoding="utf-8") as stream:
+        for row in csv.DictReader(stream, delimiter="\t"):
+            values = (row[key] for key in ("second", "inner_gap", "width"))
+            rows[row["clip"]].append([float(value or "nan") for value in values])
+    return dict(zip(rows, scaled([np.array(one) for one in rows.values()]), strict=True))
 
 
 def scaled(clips: Sequence[Lips]) -> list[Lips]:
@@ -333,10 +340,10 @@ def clips_of(options: argparse.Namespace) -> Clips:
     names = options.clip or names
     chosen = [films[name] for name in names]
     lips = [one.lips for one in chosen]
-    for number, one in enumerate(chosen):
+    for number, (name, one) in enumerate(zip(names, chosen, strict=True)):
         if one.lips is None:
-            if options.tracker is None:
-                sys.exit(f"{one.picture}: its lips are not tracked; name a --tracker")
+            if options.tracker is None or one.picture is None:
+                sys.exit(f"{name}: its lips are not tracked; name a --tracker, and have its film")
             lips[number] = scaled([tracked(options.tracker, one.picture)])[0]
     sounds, texts = [one.sound for one in chosen], [one.text for one in chosen]
     try:

@@ -135,7 +135,9 @@ def test_the_tables_have_a_column_for_each_head(face_on, run, monkeypatch, tmp_p
         (["-c", "nobody"], "nobody: "),
         (["--render"], "--render needs a --tracker"),
         ([], "holds no films with a text"),
-        (["own"], "its lips are not tracked; name a --tracker"),
+        (["own"], "own: its lips are not tracked; name a --tracker"),
+        (["bare"], r"bare_texts\.tsv, or the lips beside it: FileNotFoundError"),
+        (["odd"], r"odd_texts\.tsv, or the lips beside it: KeyError: 'width'"),
         (["own", "--clip", "two"], "two is no clip of .*: own"),
         (["own", "--tracker", "no-python"], "--tracker no-python: "),
     ],
@@ -145,5 +147,10 @@ def test_what_cannot_be_compared_is_refused_in_a_sentence(run, tmp_path, argumen
         (tmp_path / "own.mp4").touch()
         (tmp_path / "own.txt").write_text("hello")
         arguments = arguments[1:]
+    if arguments in (["bare"], ["odd"]):
+        (tmp_path / f"{arguments[0]}_texts.tsv").write_text("clip\ttext\n")
+        with gzip.open(tmp_path / "odd_lips.tsv.gz", "wt") as stream:
+            stream.write("clip\tsecond\tinner_gap\na\t1\t1\n")
+        arguments = []
     with pytest.raises(SystemExit, match=why):
         run(tmp_path, *arguments)
