@@ -10,6 +10,7 @@ import pytest
 import lipsync_lang as ll
 
 TIMES = np.arange(0, 4, 1 / 30)
+SAID = "DH AH K AE T S AE T AA N DH AH M AE T B AA D IY EH L S M EY D K IY P M AH N IY"
 LINE = ll.Schedule(("_", "m", "a", "m", "_"), (0, 0.45, 0.55, 1.2, 1.3, 4))
 """The first /m/ has shut lips (see `lips`), the second has not."""
 
@@ -79,6 +80,34 @@ def test_frames_without_a_face_do_not_count(face_on):
     assert np.isfinite(list(found.values())).all()
 
 
+def clips(head, ahead):
+    """Return a clip whose lips are those of the head, so many seconds early."""
+    labels = SAID.split()
+    times = 0.2 + 0.11 * np.arange(len(labels) + 1)
+    schedule = ll.Schedule(("_", *labels, "_"), [0, *times, times[-1] + 0.3])
+    shown = head.lips(head.performer.perform(schedule, 100))
+    seconds = np.arange(0, schedule.times[-1], 1 / 25)
+    lips = [np.interp(seconds + ahead, shown[:, 0], one) for one in shown.T[1:]]
+    return [(schedule, np.column_stack([seconds, *lips]))]
+
+
+def test_the_lips_of_a_head_are_like_themselves_however_early(face_on):
+    head = face_on.Head.of("facefx", "english")
+    leads = [face_on.lead(head, clips(head, ahead)) for ahead in (0.0, 0.08)]
+    assert leads[1] - leads[0] == pytest.approx(0.08, abs=0.04)  # a frame of the film
+    figures, film, sounds = face_on.judge(head, clips(head, 0.05), 0.05)
+    assert figures["aperture r"] > 0.999
+    assert figures["aperture range"] == pytest.approx(1, abs=0.01)
+    assert figures["width 5 %"] == pytest.approx(film["width 5 %"], abs=0.01)
+    for number, measure in enumerate(face_on.MEASURES):
+        heading, *rows = face_on.errors({"one": sounds, "same": sounds}, number)
+        assert heading == [measure, "times", "film", "one", "same"]
+        assert rows
+        assert {row[0] for row in rows} <= set(head.performer.compiled.phonemes)
+        assert all(int(row[1]) >= face_on.LEAST_TIMES for row in rows)
+        assert all(abs(float(row[3])) < 0.03 for row in rows)
+
+
 def test_texts_with_tracked_lips_and_films_with_a_text_are_read(face_on, tmp_path):
     (tmp_path / "ann_texts.tsv").write_text("clip\ttext\none\tbin red\n")
     with gzip.open(tmp_path / "ann_lips.tsv.gz", "wt") as stream:
@@ -132,7 +161,7 @@ def test_the_tables_have_a_column_for_each_head(face_on, run, monkeypatch, tmp_p
     ("arguments", "why"),
     [
         (["-c", "arkit"], "arkit has no model"),
-        (["-c", "nobody"], "nobody: "),
+        (["-c", "facef"], "did you mean 'facefx'"),
         (["--render"], "--render needs a --tracker"),
         ([], "holds no films with a text"),
         (["own"], "own: its lips are not tracked; name a --tracker"),
