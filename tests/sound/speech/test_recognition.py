@@ -113,7 +113,8 @@ def test_sounds_without_words_are_heard_as_phonemes(heard, english, monkeypatch)
     assert found.words == ()
     sounds = [label for label in found.labels if label != SILENCE]
     assert len(sounds) > 15
-    assert all(english.notations["arpabet"].find(label) for label in sounds)
+    assert all(english.notations[found.notation].find(label) for label in sounds)
+    assert found.remarks[0] == "no words were heard"
     assert found.confidence == 0
 
 

@@ -1,4 +1,4 @@
-"""Recognition by pocketsphinx: words where available, otherwise phonemes.
+"""Recognition by pocketsphinx: words, or what the sound alone tells if there are none.
 
 Recognised words are force-aligned like a given text.
 """
@@ -14,12 +14,13 @@ from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
 from lipsync_lang.sound.speech.hearing import progress
 from lipsync_lang.sound.speech.hearing.recognise.recognisers import (
+    RECOGNISERS,
     doubt_remarks,
     heard_remark,
     recogniser,
 )
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE
-from lipsync_lang.sound.speech.hearing.sphinx.decoders import decoded_phones, decoded_words, parts
+from lipsync_lang.sound.speech.hearing.sphinx.decoders import decoded_words, parts
 from lipsync_lang.sound.speech.hearing.sphinx.features import (
     FRAME_SECONDS,
     HOP_SAMPLES,
@@ -83,6 +84,9 @@ class PocketsphinxRecogniser:
                 heard.append(one._replace(word=word, first=first, stop=last))
             sayings += words
             chances += sure
+        if not sayings:
+            alone = RECOGNISERS.find("sound", SpeechError).recognise(audio, speaker)
+            return replace(alone, remarks=(heard_remark(""), *alone.remarks), confidence=0.0)
         found = timed_labels(models, heard, sayings, audio.seconds)
         said = sorted({one.word for one in heard if OUTSIDE not in (one.word, one.phone)})
         pairs = zip(found.words, said, strict=True)
@@ -97,7 +101,7 @@ class PocketsphinxRecogniser:
             source="recording",
             remarks=_remarks(heard, sayings, chances),
             recognised=True,
-            confidence=float(np.mean(chances)) if chances else 0.0,
+            confidence=float(np.mean(chances)),
         )
 
 
@@ -117,7 +121,7 @@ def _heard(models: Models, sound: Floats) -> tuple[list[Saying], list[float], li
         chances = [chance(w.posterior, own) for w, own in zip(words, fits, strict=True)]
         if np.mean(chances) >= MIN_MEAN_CHANCE:
             return sayings, chances, found
-    return [], [], decoded_phones(models, sound)
+    return [], [], [HeardPhoneme(OUTSIDE, models.model.silence, 0, len(hearing), 0.0)]
 
 
 def chance(posterior: float, heard: Sequence[HeardPhoneme]) -> float:
@@ -138,8 +142,6 @@ def chance(posterior: float, heard: Sequence[HeardPhoneme]) -> float:
 def _remarks(
     heard: Sequence[HeardPhoneme], sayings: Sequence[Saying], chances: Sequence[float]
 ) -> tuple[str, ...]:
-    if not sayings:
-        return (f"{heard_remark('')}; the mouth follows single sounds",)
     starts = {one.word: one.first * FRAME_SECONDS for one in reversed(heard)}
     doubtful = [
         (saying.text, starts[n])

@@ -1,4 +1,4 @@
-"""Decoders of pocketsphinx: words, or phonemes without words, of a sound.
+"""Decoders of pocketsphinx: the words of a sound.
 
 A sound is decoded in parts, cut at the quietest frames.
 """
@@ -21,10 +21,8 @@ import numpy.typing as npt
 
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import SpeechError
-from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.sound.speech.hearing.sphinx.features import HOP_SAMPLES
 from lipsync_lang.sound.speech.hearing.sphinx.folder import Models
-from lipsync_lang.sound.speech.hearing.sphinx.forced import HeardPhoneme
 from lipsync_lang.sound.speech.sound import SPEECH_RATE
 
 MIN_PART_SAMPLES, MAX_PART_SAMPLES = 10 * SPEECH_RATE, 20 * SPEECH_RATE
@@ -39,12 +37,6 @@ MAX_ACTIVE_STATES = 3000
 A tenth of the usual number takes half the time, and errs in 67 of 100 words of natural speech
 instead of 64.
 """
-
-PHONE_WEIGHT = 2.0
-"""Weight of the order of phonemes in the model's language."""
-
-PHONE_BEAM = 1e-20
-"""Likelihood of the unlikeliest phonemes that are followed, relative to the likeliest."""
 
 VARIANT = re.compile(r"\(\d+\)$")
 """Number of a further pronunciation, after a word of the dictionary."""
@@ -91,24 +83,10 @@ def parts(
 
 def decoded_words(models: Models, sound: Floats) -> list[DecodedWord]:
     """Return the recognised words; entries outside the dictionary are pauses or noises."""
-    language = str(models.language_model)
-    found = _segments(models, sound, "words", lm=language, maxhmmpf=MAX_ACTIVE_STATES)
+    found = _segments(models, sound)
     named = [DecodedWord(VARIANT.sub("", word), min(prob, 1.0)) for word, _, prob in found]
     ways = models.ways(word.text for word in named)
     return [word for word, known in zip(named, ways, strict=True) if known]
-
-
-def decoded_phones(models: Models, sound: Floats) -> list[HeardPhoneme]:
-    """Return the phonemes of a sound without words, one after the other."""
-    settings = {"lw": PHONE_WEIGHT, "beam": PHONE_BEAM, "pbeam": PHONE_BEAM}
-    language = str(models.folder / f"{models.folder.name}-phone.lm.bin")
-    found = _segments(models, sound, "phones", allphone=language, **settings)
-    names = [(word, first) for word, first, _ in found] or [("", 0)]
-    stops = [first for _, first in names[1:]] + [-(-len(sound) // HOP_SAMPLES)]
-    return [
-        HeardPhoneme(OUTSIDE, models.numbers.get(name, OUTSIDE), first, stop, 0.0)
-        for (name, first), stop in zip(names, stops, strict=True)
-    ]
 
 
 class ModelProcess:
@@ -155,22 +133,24 @@ def _end(worker: "subprocess.Popen[bytes]") -> None:
     worker.communicate()
 
 
-def _segments(models: Models, sound: Floats, kind: str, **settings: Any) -> list[Segment]:
-    """Return the segments of this thread's decoder of a kind, which is loaded once."""
-    loaded: dict[tuple[Models, str], ModelProcess] = threads.__dict__.setdefault("loaded", {})
-    if (models, kind) not in loaded:
-        settings |= {"hmm": str(models.acoustic), "dict": str(models.dictionary)}
+def _segments(models: Models, sound: Floats) -> list[Segment]:
+    """Return the segments of this thread's decoder, which is loaded once."""
+    loaded: dict[Models, ModelProcess] = threads.__dict__.setdefault("loaded", {})
+    if models not in loaded:
         model = models.acoustic
-        loaded[models, kind] = ModelProcess(DECODER_SCRIPT, "pocketsphinx", model, settings)
+        paths = {"hmm": model, "dict": models.dictionary, "lm": models.language_model}
+        settings: dict[str, Any] = {name: str(path) for name, path in paths.items()}
+        settings["maxhmmpf"] = MAX_ACTIVE_STATES
+        loaded[models] = ModelProcess(DECODER_SCRIPT, "pocketsphinx", model, settings)
     # a peak above full scale would wrap round
     samples = np.clip(np.rint(sound), -(2**15), 2**15 - 1).astype(np.int16).tobytes()
     patience = LOADING_SECONDS + PATIENCE * len(samples) / 2 / SPEECH_RATE
     request = b"%d\n" % len(samples) + samples
     try:
-        with closing(loaded[models, kind].answers(request, patience, _read)) as given:
+        with closing(loaded[models].answers(request, patience, _read)) as given:
             return next(given)
     except SpeechError:
-        del loaded[models, kind]
+        del loaded[models]
         raise
 
 
