@@ -34,6 +34,7 @@ from lipsync_lang.sound.speech.hearing.sphinx.features import (
     EVEN_STEPS,
     HOP_SAMPLES,
     PreparedSound,
+    changing,
     features,
 )
 from lipsync_lang.sound.speech.hearing.sphinx.folder import find_models
@@ -337,6 +338,36 @@ def test_a_loud_word_that_is_like_silence_is_no_pause():
     found = ll.align(known.audio, "Ez az ember.", "hungarian", aligner="pocketsphinx")
     assert [word.text for word in found.words] == ["Ez", "az", "ember"]
     assert found.words[-1].start == pytest.approx(known.words[-1].start, abs=0.05)
+
+
+@pytest.mark.parametrize("vowel", swept([2, 30, 6, 9]))
+def test_a_held_vowel_is_no_pause(vowel):
+    text = "Tutti gli esseri umani nascono liberi ed eguali."
+    known = ll.speak(text, "italian")
+    samples, rate = known.audio.samples, known.audio.rate
+    middle = known.times[vowel : vowel + 2].mean()
+    first = round(middle * rate)
+    lags = np.arange(rate // 250, rate // 70)
+    alike = [np.corrcoef(samples[first:][:400], samples[first + lag :][:400])[0, 1] for lag in lags]
+    period = samples[first:][: lags[np.argmax(alike)]]
+    note = np.tile(period, round(0.8 * rate / len(period)))
+    sung = ll.Audio(np.concatenate([samples[:first], note, samples[first:]]), rate)
+    found = ll.align(sung, text, "italian", aligner="pocketsphinx")
+    starts = np.array([word.start for word in known.words])
+    starts[starts > middle] += len(note) / rate
+    assert [word.start for word in found.words] == pytest.approx(starts, abs=0.06)
+    assert found.confidence > DOUBTFUL
+
+
+def test_the_middle_of_a_held_sound_alone_is_left_out():
+    chance = np.random.default_rng(0)
+    cepstra = chance.normal(0, 20, (100, 13))
+    cepstra[:, 0] = 0
+    cepstra[40:70] = cepstra[40]
+    assert np.flatnonzero(~changing(cepstra)).tolist() == [*range(45, 65)]
+    # a pause does not change, either
+    cepstra[40:70, 0] = -60
+    assert changing(cepstra).all()
 
 
 @pytest.mark.parametrize("word", swept(["most", "wonderful"]))

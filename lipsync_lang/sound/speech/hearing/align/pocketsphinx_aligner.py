@@ -126,17 +126,11 @@ class PocketsphinxAligner(BatchAligner):
         manner = speaker.manner
         notation = manner.audio.notation if reader.own else manner.notation
         return Schedule(
-            *found,
-            notation=notation,
-            language=manner.language,
-            audio=audio,
-            source="recording",
-            unread=transcript.unread,
+            *found, notation=notation, language=manner.language, audio=audio, source="recording",
+            unread=transcript.unread, remarks=(*told, *doubts(heard, sayings)), confidence=sure,
             stress=stress_read(transcript, found.labels, notation, manner, speaker.notations),
-            remarks=(*told, *doubts(heard, sayings)),
-            confidence=sure,
             left_out=tuple(texts[one.word] for one in heard if one.phone == OUTSIDE != one.word),
-        )
+        )  # fmt: skip
 
 
 def models_of(name: str | None) -> Models:

@@ -92,17 +92,10 @@ class PocketsphinxRecogniser:
         pairs = zip(found.words, said, strict=True)
         recognised = (replace(word, confidence=chances[number]) for word, number in pairs)
         return Schedule(
-            found.labels,
-            found.times,
-            tuple(recognised),
-            notation=notation,
-            language=speaker.manner.language,
-            audio=audio,
-            source="recording",
-            remarks=_remarks(heard, sayings, chances),
-            recognised=True,
-            confidence=float(np.mean(chances)),
-        )
+            found.labels, found.times, tuple(recognised), notation=notation,
+            language=speaker.manner.language, audio=audio, source="recording", recognised=True,
+            remarks=_remarks(heard, sayings, chances), confidence=float(np.mean(chances)),
+        )  # fmt: skip
 
 
 def _heard(models: Models, sound: Floats) -> tuple[list[Saying], list[float], list[HeardPhoneme]]:

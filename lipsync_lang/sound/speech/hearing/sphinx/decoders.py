@@ -51,9 +51,6 @@ ReadAnswer = TypeVar("ReadAnswer")
 threads = local()
 """Decoders; each takes a second to load and some 100 MB, and serves one thread at a time."""
 
-Segment = tuple[str, int, float]
-"""A word or phoneme of a decoder, its first frame, and its posterior probability."""
-
 
 class DecodedWord(NamedTuple):
     """A word of the dictionary with its posterior probability."""
@@ -82,11 +79,27 @@ def parts(
 
 
 def decoded_words(models: Models, sound: Floats) -> list[DecodedWord]:
-    """Return the recognised words; entries outside the dictionary are pauses or noises."""
-    found = _segments(models, sound)
-    named = [DecodedWord(VARIANT.sub("", word), min(prob, 1.0)) for word, _, prob in found]
-    ways = models.ways(word.text for word in named)
-    return [word for word, known in zip(named, ways, strict=True) if known]
+    """Return the recognised words, by this thread's decoder, which is loaded once."""
+    loaded: dict[Models, ModelProcess] = threads.__dict__.setdefault("loaded", {})
+    if models not in loaded:
+        model = models.acoustic
+        paths = {"hmm": model, "dict": models.dictionary, "lm": models.language_model}
+        settings: dict[str, Any] = {name: str(path) for name, path in paths.items()}
+        settings["maxhmmpf"] = MAX_ACTIVE_STATES
+        loaded[models] = ModelProcess(DECODER_SCRIPT, "pocketsphinx", model, settings)
+    # a peak above full scale would wrap round
+    samples = np.clip(np.rint(sound), -(2**15), 2**15 - 1).astype(np.int16).tobytes()
+    patience = LOADING_SECONDS + PATIENCE * len(samples) / 2 / SPEECH_RATE
+    request = b"%d\n" % len(samples) + samples
+    try:
+        with closing(loaded[models].answers(request, patience, _read)) as given:
+            found = next(given)
+    except SpeechError:
+        del loaded[models]
+        raise
+    # entries outside the dictionary are pauses or noises
+    ways = models.ways(word.text for word in found)
+    return [word for word, known in zip(found, ways, strict=True) if known]
 
 
 class ModelProcess:
@@ -133,26 +146,5 @@ def _end(worker: "subprocess.Popen[bytes]") -> None:
     worker.communicate()
 
 
-def _segments(models: Models, sound: Floats) -> list[Segment]:
-    """Return the segments of this thread's decoder, which is loaded once."""
-    loaded: dict[Models, ModelProcess] = threads.__dict__.setdefault("loaded", {})
-    if models not in loaded:
-        model = models.acoustic
-        paths = {"hmm": model, "dict": models.dictionary, "lm": models.language_model}
-        settings: dict[str, Any] = {name: str(path) for name, path in paths.items()}
-        settings["maxhmmpf"] = MAX_ACTIVE_STATES
-        loaded[models] = ModelProcess(DECODER_SCRIPT, "pocketsphinx", model, settings)
-    # a peak above full scale would wrap round
-    samples = np.clip(np.rint(sound), -(2**15), 2**15 - 1).astype(np.int16).tobytes()
-    patience = LOADING_SECONDS + PATIENCE * len(samples) / 2 / SPEECH_RATE
-    request = b"%d\n" % len(samples) + samples
-    try:
-        with closing(loaded[models].answers(request, patience, _read)) as given:
-            return next(given)
-    except SpeechError:
-        del loaded[models]
-        raise
-
-
-def _read(answer: Any) -> list[Segment]:
-    return [(str(word), int(first), float(prob)) for word, first, prob in answer]
+def _read(answer: Any) -> list[DecodedWord]:
+    return [DecodedWord(VARIANT.sub("", word), min(float(prob), 1.0)) for word, prob in answer]

@@ -4,10 +4,11 @@ Music or another voice beside a line may be like some of its words. Then these a
 their place, or a phoneme lasts as long as the music. Without that sound they are found.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from itertools import combinations, pairwise
 from math import exp
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -391,15 +392,25 @@ def _in_parts(
 
 def _placed(found: FoundLine, part: tuple[int, int], end: int) -> FoundLine:
     """Return a line that is found in a part of a sound with the rest as other sound."""
-    first, stop = part
-    rest = [HeardPhoneme(OUTSIDE, OUTSIDE, *span, 0.0) for span in ((0, first), (stop, end))]
-    before, after = ([one] if one.stop > one.first else [] for one in rest)
-    heard = [one._replace(first=one.first + first, stop=one.stop + first) for one in found.heard]
-    unwritten = tuple(
-        one._replace(first=one.first + first, stop=one.stop + first) for one in found.unwritten
-    )
-    moved = found.moved and found.moved._replace(first=found.moved.first + first)
-    return FoundLine([*before, *heard, *after], found.sure, moved, unwritten)
+    spans = (0, part[0]), (part[1], end)
+    before, after = ([HeardPhoneme(OUTSIDE, OUTSIDE, *span, 0.0)] for span in spans)
+    found = _timed(found, lambda frame: frame + part[0])
+    heard = [*before, *found.heard, *after]
+    return found._replace(heard=[one for one in heard if one.stop > one.first])
+
+
+def _timed(found: FoundLine, at: Callable[[float], float]) -> FoundLine:
+    """Return a line whose frames are `at` others."""
+
+    def span(one: Any) -> Any:
+        return one._replace(first=round(at(one.first)), stop=round(at(one.stop)))
+
+    heard = [
+        span(one)._replace(late=float(at(one.first + one.late)) - round(at(one.first)))
+        for one in found.heard
+    ]
+    moved = found.moved and found.moved._replace(first=round(at(found.moved.first)))
+    return FoundLine(heard, found.sure, moved, tuple(map(span, found.unwritten)))
 
 
 def _found(
@@ -410,21 +421,27 @@ def _found(
     margin: int = ORDER_MARGIN_FRAMES,
 ) -> FoundLine:
     heard, features = best_heard(models, sound, words)
-    sure = line_confidence(heard)
+    line = FoundLine(heard, line_confidence(heard))
     # a line in doubt may pass by another aligner, which does not tell the order of words
-    if sure < MOVED_CONFIDENCE or len(features) > WINDOW_FRAMES or len(words) < MIN_WORDS:
-        return FoundLine(heard, sure)
-    errors = TextErrors(models.model, centred(features, heard)[:], words, heard, margin)
-    moved = errors.moved_word(texts)
-    sure = sure if moved is None else min(sure, MOVED_CONFIDENCE)
-    return FoundLine(heard, sure, moved, tuple(errors.unwritten()))
+    few = len(features) <= WINDOW_FRAMES and len(words) >= MIN_WORDS
+    if line.sure >= MOVED_CONFIDENCE and few:
+        errors = TextErrors(models.model, centred(features, heard)[:], words, heard, margin)
+        moved = errors.moved_word(texts)
+        sure = line.sure if moved is None else min(line.sure, MOVED_CONFIDENCE)
+        line = FoundLine(heard, sure, moved, tuple(errors.unwritten()))
+    if (starts := features.starts) is None:
+        return line
+    return _timed(line, partial(np.interp, xp=np.arange(len(starts)), fp=starts))
 
 
 def best_heard(
     models: "Models", sound: PreparedSound, words: Sequence[Pronunciations]
 ) -> tuple[list[HeardPhoneme], HeardFrames]:
-    """Align words, as `laid` does, in the features of the sound that fit best; return both."""
-    hearings = models.model.front_end.hearings(sound)
+    """Align words, as `laid` does, in the features of the sound that fit best; return both.
+
+    These are the features of its changing frames.
+    """
+    hearings = (one.changing() for one in models.model.front_end.hearings(sound))
     tries = ((laid(models, one, words) or [], one) for one in hearings)
     return max(tries, key=lambda one: line_confidence(one[0]))
 

@@ -2,7 +2,7 @@
 
 It needs the standard library and pocketsphinx alone. Standard input has the settings of the decoder
 as a line of JSON, and then for each sound its number of bytes in a line, and its 16-bit samples.
-Each answer is a line of JSON: the segments of the sound as (word, first frame, posterior).
+Each answer is a line of JSON: the words of the sound as (word, posterior).
 """
 
 import json
@@ -31,7 +31,7 @@ def main() -> None:
         decoder.process_raw(source.read(int(line)), full_utt=True)
         decoder.end_utt()
         # `seg` is None where nothing was recognised
-        found = [(one.word, one.start_frame, one.prob) for one in decoder.seg() or ()]
+        found = [(one.word, one.prob) for one in decoder.seg() or ()]
         out.write(json.dumps(found) + "\n")
         out.flush()
 
