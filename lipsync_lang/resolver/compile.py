@@ -31,6 +31,7 @@ from lipsync_lang.resolver.layers import NEUTRAL, BigramRow, Halves, PairPacks
 from lipsync_lang.resolver.nearest_phonemes import plain_among, spelling
 from lipsync_lang.resolver.rigging import OtherModel, model_file, plain_rig
 from lipsync_lang.resolver.settings import motion_with
+from lipsync_lang.resolver.solving import own_reach
 
 
 def compile_pair(
@@ -248,8 +249,12 @@ def _filmed(shelf: PairPacks) -> dict[str, Any]:
     """Return the reach of the mouth, and the widest aperture of each phoneme that states some."""
     who, mouths = shelf.character.model, shelf.mouths
     reach = who.reach or shelf.poseset.model.reach
-    widest = {n: max(one.aperture for one in mouths[n]) for n in shelf.numbered if n in mouths}
-    return {"reach": reach, "apertures": {n: round(reach * a, 4) for n, a in widest.items()}}
+    widest = {
+        name: round(max(own_reach(one, reach) * one.aperture for one in mouths[name]), 4)
+        for name in shelf.numbered
+        if name in mouths
+    }
+    return {"reach": reach, "apertures": widest}
 
 
 def tabulated(

@@ -220,7 +220,7 @@ class PairPacks:
         if self.solved is not None:
             targets |= self.solved.targets
         elif who.reach is not None:
-            targets = farther(poseset, who.reach / poseset.reach)
+            targets = farther(poseset, who.reach / poseset.reach, self.mouths)
         return who.own_face(poseset.model_copy(update={"targets": targets}))
 
     @property

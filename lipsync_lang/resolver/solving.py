@@ -60,6 +60,10 @@ FAR_GOAL = 1e3
 MISSED_SHARE, LEAST_MISS = 1 / 3, 0.03
 """A measure is missed by this share of what was asked, and by so many widths of the mouth."""
 
+LEAST_REACH = 0.9
+"""Least reach of a mouth that states its jaw: with less, "oo" is a slit, and the tongue of "th" is
+hidden."""
+
 DECIMALS = 4
 """Places of a solved weight, so that processors agree."""
 
@@ -161,20 +165,35 @@ def asked_measures(mouth: Sequence[models.SoundMouth], steps: int, reach: float)
     """
     rows = [mouth[min(number, len(mouth) - 1)] for number in range(steps)]
     stated = [[getattr(row, measure) for measure in models.MOUTH_MEASURES] for row in rows]
-    return reach * np.array(stated, float)
+    return np.array(stated, float) * [[own_reach(row, reach)] for row in rows]
 
 
-def farther(poseset: models.PoseSet, factor: float) -> dict[str, tuple[models.PhonemeTarget, ...]]:
-    """Return the declared targets with weights times a factor; poses of contacts keep theirs."""
+def own_reach(mouth: models.SoundMouth, reach: float) -> float:
+    """Return the reach of a mouth: a small hole, or near teeth, stay readable at any reach."""
+    return reach if mouth.jaw is None else max(reach, LEAST_REACH)
+
+
+def farther(
+    poseset: models.PoseSet, factor: float, mouths: Mapping[str, Sequence[models.SoundMouth]]
+) -> dict[str, tuple[models.PhonemeTarget, ...]]:
+    """Return the declared targets with weights times a factor; poses of contacts keep theirs.
+
+    The mouths, by phoneme, say which sounds stay readable at any factor.
+    """
     touching = (pose for contact in poseset.contacts.values() for pose in contact.floor)
-    own = dict.fromkeys(touching, 1.0)
+    kept = dict.fromkeys(touching, 1.0)
 
-    def moved(step: PhonemeTarget) -> PhonemeTarget:
-        far = {pose: weight * own.get(pose, factor) for pose, weight in step.weights.items()}
+    def moved(step: PhonemeTarget, own: float) -> PhonemeTarget:
+        far = {pose: weight * kept.get(pose, own) for pose, weight in step.weights.items()}
         weights = {pose: min(1.0, round(weight, DECIMALS)) for pose, weight in far.items()}
         return step.model_copy(update={"weights": weights})
 
-    return {name: tuple(map(moved, steps)) for name, steps in poseset.targets.items()}
+    found = {}
+    for name, steps in poseset.targets.items():
+        own = [own_reach(mouth, factor) for mouth in mouths.get(name, ())] or [factor]
+        every = own + own[-1:] * len(steps)
+        found[name] = tuple(moved(*one) for one in zip(steps, every, strict=False))
+    return found
 
 
 def pose_gains(

@@ -138,3 +138,25 @@ def test_a_round_mouth_that_shows_its_teeth_is_found(tmp_path, monkeypatch):
     assert {(sound, cause) for _, sound, cause in faults("anna")} >= {
         (sound, "teeth in a round mouth") for sound in ("uː", "u")
     }
+
+
+@pytest.mark.parametrize("reach", [0.5, 1.6])
+def test_round_shut_spread_and_tongue_stay_readable_at_any_reach(reach, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "characters").mkdir()
+    stated = f"kind: character\nformat: 1\nname: anna\nposeset: facefx\nreach: {reach}\n"
+    (tmp_path / "characters" / "anna.yaml").write_text(stated)
+    words = tuple(tuple(word.split()) for word in ("b l uː", "f iː", "θ ɪ n", "m ɛ n"))
+    for word, sound, found in seen("anna", words):
+        inside = sum(found[part] for part in INSIDE)
+        if sound == "uː":
+            assert found["across"] < 0.5, "a flat slit"
+            assert inside > 0.05 * found["lips"] > found["teeth"], word
+        if sound == "iː":
+            assert found["across"] > 0.75, word
+        if sound == "θ":
+            assert found["tongue"] > 0.3 * inside, word
+        if sound == "f":
+            assert found["teeth"] >= 0.95 * inside > 0.01 * found["lips"], word
+        if sound in {"b", "m"}:
+            assert inside <= 0.002 * found["lips"], word

@@ -29,6 +29,12 @@ SOLVED = [
 ]
 COMMON = LIBRARY.common().model
 SOUNDS = {**COMMON.phonemes, **COMMON.shades}
+READABLE = {
+    name: [one.jaw is not None for one in mouth]
+    for name, mouth in COMMON.mouths().items()
+    if any(one.jaw is not None for one in mouth)
+}
+"""Sounds of a small hole or of near teeth, with the steps that are."""
 
 
 def targets(poseset, gains, reach=1.0):
@@ -312,12 +318,32 @@ def test_a_reach_of_the_character_replaces_that_of_the_set(project):
 def test_a_reach_scales_declared_targets_but_no_contact(reach):
     for poseset in (LIBRARY.poseset(name).model for name in SOLVED):
         touching = {pose for contact in poseset.contacts.values() for pose in contact.floor}
-        for name, steps in farther(poseset, reach).items():
+        for name, steps in farther(poseset, reach, COMMON.mouths()).items():
+            if reach < 1 and name in READABLE:
+                continue
             for before, now in zip(poseset.targets[name], steps, strict=True):
                 assert now.model_copy(update={"weights": before.weights}) == before
                 for pose, weight in before.weights.items():
                     factor = 1 if pose in touching else reach
                     assert now.weights[pose] == pytest.approx(min(1, factor * weight), abs=1e-4)
+
+
+@given(reach=st.floats(0.1, 3))
+def test_small_holes_and_near_teeth_stay_readable_at_any_reach_and_other_sounds_follow_it(reach):
+    assert READABLE.keys() >= {"w", "yu", "uh", "ow", "sh", "r", "s", "th", "f"}
+    assert not READABLE.keys() & {"aa", "ao", "iy", "l", "d", "bmp"}
+    for name, mouth in COMMON.mouths().items():
+        steps = len(mouth)
+        kept = READABLE.get(name, [False] * steps)
+        factors = np.where(kept, max(reach, 0.9), reach)[:, None]
+        usual = asked_measures(mouth, steps, 1)
+        assert np.allclose(asked_measures(mouth, steps, reach), factors * usual, equal_nan=True)
+    near = farther(FACEFX, reach, COMMON.mouths())
+    weights = [one[0].weights for one in (near["w"], near["th"], near["aa"])]
+    declared = [FACEFX.targets[name][0].weights for name in ("w", "th", "aa")]
+    assert weights[0]["W"] >= min(1, 0.9 * declared[0]["W"]) - 1e-4
+    assert weights[1]["tTeeth"] >= min(1, 0.9 * declared[1]["tTeeth"]) - 1e-4
+    assert weights[2]["open"] == pytest.approx(min(1, reach * declared[2]["open"]), abs=1e-4)
 
 
 def test_the_shipped_head_is_a_cartoon_by_the_reach_of_its_character(tmp_path, monkeypatch):

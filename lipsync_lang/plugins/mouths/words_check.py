@@ -18,6 +18,7 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.language_models import MOUTH_MEASURES, SoundMouth
 from lipsync_lang.reports.quality.check_animation import judged_on
 from lipsync_lang.reports.quality.face_columns import SeenMouth, face_of
+from lipsync_lang.resolver.solving import own_reach
 
 LEAST_AWAY = 0.03
 """Smallest difference that is named, in widths of the mouth: 1.5 mm of a human mouth."""
@@ -127,4 +128,4 @@ def _places(
             for course, measure in zip(seen, MOUTH_MEASURES, strict=True):
                 if (asked := getattr(wanted, measure)) is not None:
                     has = float(np.interp(at, line.times, course))
-                    yield (label, measure), (face.reach * asked, has)
+                    yield (label, measure), (own_reach(wanted, face.reach) * asked, has)

@@ -163,14 +163,15 @@ def seen_width(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Range of the mouth's width on the mesh, at reach 1.
 
     The GRID speaker has 0.03 to 0.19 in a sentence, and 0.09 in all. Actors round up to four times
-    as far as he does, which is the limit. Human heads often have less than 0.05::
+    as far as he does, which is the limit. Human heads often have less than 0.05. A reach below 1
+    leaves rounded lips nearly as they are, so it does not count::
 
-        value = (95th - 5th percentile over frames of speech of the width) / reach
+        value = (95th - 5th percentile over frames of speech of the width) / max(reach, 1)
     """
 
     def figure_of(mouth: _MeasuredMouth, span: slice, _: slice) -> list[Figure]:
         width = mouth.width[span][scene.speaking[span]]
         low, high = (round(percentile(width, share), 4) for share in (5, 95))
-        return one((high - low) / mouth.seen.reach, {"low": low, "high": high})
+        return one((high - low) / max(mouth.seen.reach, 1.0), {"low": low, "high": high})
 
     return _lines(scene, figure_of, LEAST_SPEECH_SECONDS)
