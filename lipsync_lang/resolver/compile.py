@@ -249,11 +249,8 @@ def _filmed(shelf: PairPacks) -> dict[str, Any]:
     """Return the reach of the mouth, and the widest aperture of each phoneme that states some."""
     who, mouths = shelf.character.model, shelf.mouths
     reach = who.reach or shelf.poseset.model.reach
-    widest = {
-        name: round(max(own_reach(one, reach) * one.aperture for one in mouths[name]), 4)
-        for name in shelf.numbered
-        if name in mouths
-    }
+    stated = (name for name in shelf.numbered if name in mouths)
+    widest = {n: round(max(own_reach(m, reach) * m.aperture for m in mouths[n]), 4) for n in stated}
     return {"reach": reach, "apertures": widest}
 
 

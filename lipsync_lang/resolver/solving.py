@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-FIRMNESS = np.array([1.0, 1.5, 0.5, 0.8])
+FIRMNESS = np.array([1.3, 2.0, 0.5, 0.8])
 """Weight of an error of each measure that a sound states."""
 
 IDLE_FIRMNESS = np.array([0.0, 0.0, 0.05, 0.0])
@@ -61,8 +61,7 @@ MISSED_SHARE, LEAST_MISS = 1 / 3, 0.03
 """A measure is missed by this share of what was asked, and by so many widths of the mouth."""
 
 LEAST_REACH = 0.9
-"""Least reach of a mouth that states its jaw: with less, "oo" is a slit, and the tongue of "th" is
-hidden."""
+"""Least reach of a mouth that states its jaw: with less, "oo" is a slit, and "th" has no tongue."""
 
 DECIMALS = 4
 """Places of a solved weight, so that processors agree."""
@@ -148,12 +147,10 @@ def solved_face(
         if mouths.get(name) and look in poseset.targets
     }
     targets = {
-        name: face.target(looks[name], poseset.targets[looks[name]], rows)
+        name: face.target(looks[name], poseset.targets[looks[name]], rows, mouths[name][0].firm)
         for name, rows in asked.items()
     }
-    reached = {
-        name: np.array([gains @ face.weights(one) for one in targets[name]]) for name in targets
-    }
+    reached = {n: np.array([gains @ face.weights(one) for one in targets[n]]) for n in targets}
     doubts = tuple(f"{model.path}: {doubt}" for doubt in (() if rig else doubts_of(poseset, model)))
     return SolvedFace(model.path, targets, asked, reached, doubts)
 
@@ -176,16 +173,13 @@ def own_reach(mouth: models.SoundMouth, reach: float) -> float:
 def farther(
     poseset: models.PoseSet, factor: float, mouths: Mapping[str, Sequence[models.SoundMouth]]
 ) -> dict[str, tuple[models.PhonemeTarget, ...]]:
-    """Return the declared targets with weights times a factor; poses of contacts keep theirs.
-
-    The mouths, by phoneme, say which sounds stay readable at any factor.
-    """
+    """Return declared targets times a factor, as far as contacts and mouths let them move."""
     touching = (pose for contact in poseset.contacts.values() for pose in contact.floor)
     kept = dict.fromkeys(touching, 1.0)
 
     def moved(step: PhonemeTarget, own: float) -> PhonemeTarget:
-        far = {pose: weight * kept.get(pose, own) for pose, weight in step.weights.items()}
-        weights = {pose: min(1.0, round(weight, DECIMALS)) for pose, weight in far.items()}
+        far = ((pose, weight * kept.get(pose, own)) for pose, weight in step.weights.items())
+        weights = {pose: min(1.0, round(weight, DECIMALS)) for pose, weight in far}
         return step.model_copy(update={"weights": weights})
 
     found = {}
@@ -251,9 +245,9 @@ class _FaceToSolve:
         return np.array([step.weights.get(pose, 0.0) for pose in self.poseset.poses])
 
     def target(
-        self, name: str, steps: Sequence[PhonemeTarget], asked: Floats
+        self, name: str, steps: Sequence[PhonemeTarget], asked: Floats, firm: float | None = None
     ) -> tuple[PhonemeTarget, ...]:
-        """Solve the target of a phoneme for the measures (steps, 4) asked, step by step."""
+        """Solve a target for measures (steps, 4); `firm` is the dominance of poses that open it."""
         most = self.most
         for contact in self.poseset.contacts.values():
             if name in contact.phonemes:
@@ -269,19 +263,23 @@ class _FaceToSolve:
         top = np.array([most[group].min() for group in groups])
         opens = np.array([self.opening[group[0]] for group in groups])
         firmly = np.where(opens, min(OPENING_LOOK, self.poseset.look), self.poseset.look)
+        poses = (*self.poseset.poses,)
+        opened = [poses[number] for number in np.flatnonzero(self.opening & free)]
+        held = {} if firm is None else dict.fromkeys(opened, firm)
         found = []
         for step, wanted in zip(steps, asked, strict=True):
             declared = self.weights(step)
-            firm = np.where(np.isnan(wanted), IDLE_FIRMNESS, FIRMNESS)
+            weight = np.where(np.isnan(wanted), IDLE_FIRMNESS, FIRMNESS)
             aim = np.nan_to_num(wanted) - self.gains[:, ~free] @ declared[~free]
             look = np.array([declared[group].max() for group in groups])
-            solved = _fitted(firm[:, None] * gains, firm * aim, firmly, look, price, top)
+            solved = _fitted(weight[:, None] * gains, weight * aim, firmly, look, price, top)
             weights = np.round(np.where(free, solved @ share, declared), DECIMALS)
             # An opening pose that is not named would spread into the sound from its neighbours.
-            named = [pose in step.weights for pose in self.poseset.poses] | (self.opening & free)
-            rows = zip(self.poseset.poses, weights.tolist(), named, strict=True)
-            kept = {pose: weight for pose, weight, stays in rows if stays or weight}
-            found.append(step.model_copy(update={"weights": kept}))
+            named = {*step.weights, *opened}
+            rows = zip(poses, weights.tolist(), strict=True)
+            kept = {pose: weight for pose, weight in rows if weight or pose in named}
+            changed = {"weights": kept, "dominance": held | step.dominance}
+            found.append(step.model_copy(update=changed))
         return tuple(found)
 
 

@@ -465,3 +465,14 @@ def test_lips_that_touch_do_not_stretch_beside_a_wide_vowel(touching):
     found = ll.resolve("english", "arkit").perform(line, fps=100)
     vowel, middle = (np.interp(at, found.times, found["mouthStretchLeft"]) for at in (0.4, 0.55))
     assert vowel > 0.1 > 3 * middle
+
+
+def test_a_firm_aperture_becomes_the_dominance_of_poses_that_open_and_declared_ones_stay(project):
+    packs = project(
+        "mouths: {l: {aperture: 0.15, width: 0, firm: 3}, r: {aperture: 0.05, width: 0}}\n"
+    )
+    declared, solved = packs.poseset.model.targets, packs.solved.targets
+    assert solved["l"][0].dominance["jawOpen"] == 3
+    assert solved["r"][0].dominance == declared["r"][0].dominance != {}
+    assert solved["bmp"][0].dominance["jawOpen"] == declared["bmp"][0].dominance["jawOpen"]
+    assert "mouthStretchLeft" not in solved["l"][0].dominance

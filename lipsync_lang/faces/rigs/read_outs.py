@@ -85,7 +85,7 @@ class ShapeReadOut:
         return {name: round(value, 3) for name, value in asdict(self).items()}
 
 
-MEASURES_OF_SOUNDS = ("aperture", "width", "protrusion", "jaw")
+SOUND_MEASURES = ("aperture", "width", "protrusion", "jaw")
 """Measures that packs state of the mouths of sounds."""
 
 

@@ -23,12 +23,7 @@ from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.faces.rigs.channel import Channel, bare
 from lipsync_lang.faces.rigs.driver import Driver
 from lipsync_lang.faces.rigs.model import Model, some
-from lipsync_lang.faces.rigs.read_outs import (
-    LEAST_MOUTH,
-    MEASURES_OF_SOUNDS,
-    measured,
-    still_shapes,
-)
+from lipsync_lang.faces.rigs.read_outs import LEAST_MOUTH, SOUND_MEASURES, measured, still_shapes
 from lipsync_lang.faces.rigs.shape_matching import on_mesh
 
 if TYPE_CHECKING:  # workers measure mouths without the models of packs
@@ -260,12 +255,12 @@ def mouth_gains(channels: Sequence[Channel], model: Model) -> Floats | None:
     if not moved or bones:
         return None
     found = find(channels, model)
-    gains = np.zeros((len(MEASURES_OF_SOUNDS), len(channels)))
+    gains = np.zeros((len(SOUND_MEASURES), len(channels)))
     for number, channel in enumerate(channels):
         weights = found.bound.get(channel.name, {})
         for shape in found.places.get(channel.name, ()):
             if shape in moved:
-                does = [getattr(moved[shape], name) for name in MEASURES_OF_SOUNDS]
+                does = [getattr(moved[shape], name) for name in SOUND_MEASURES]
                 gains[:, number] += weights.get(shape, 1.0) * np.array(does)
     return gains
 

@@ -61,12 +61,14 @@ class SoundMouth(Strict):
     """Way of the lips to the front; unless stated, the sound leaves it to the jaw."""
     jaw: Annotated[float, Field(ge=0, le=1)] | None = None
     """Way of the chin downwards, where the teeth must be near each other; else it is free."""
+    firm: Annotated[float, Field(gt=0, le=4)] | None = None
+    """Firmness with which the aperture is held beside others, on a model: 1 unless stated."""
 
 
 Mouths = Annotated[tuple[SoundMouth, ...], OrOne]
 """The mouth of a sound, or several in a row for a sound that moves."""
 
-MOUTH_MEASURES = (*SoundMouth.model_fields,)
+MOUTH_MEASURES = ("aperture", "width", "protrusion", "jaw")
 """Names of the measures of a mouth, which those of a model share."""
 
 

@@ -163,8 +163,7 @@ def seen_width(scene: MeasuredScene) -> Iterable[list[Figure]]:
     """Range of the mouth's width on the mesh, at reach 1.
 
     The GRID speaker has 0.03 to 0.19 in a sentence, and 0.09 in all. Actors round up to four times
-    as far as he does, which is the limit. Human heads often have less than 0.05. A reach below 1
-    leaves rounded lips nearly as they are, so it does not count::
+    as far as he does, which is the limit. With a reach below 1, lips round nearly as far::
 
         value = (95th - 5th percentile over frames of speech of the width) / max(reach, 1)
     """

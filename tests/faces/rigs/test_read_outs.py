@@ -17,10 +17,10 @@ from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.faces.rigs.placing import placed
 from lipsync_lang.faces.rigs.read_outs import (
     CORNER_SLOPE,
-    MEASURES_OF_SOUNDS,
     NEAR_SHARE,
     PARTED_SHARE,
     SKIN_STRETCH,
+    SOUND_MEASURES,
     find_mouth,
     read_outs,
     still_shapes,
@@ -34,7 +34,7 @@ def measured(name):
 
 
 def test_mouths_of_models_are_measured_as_those_of_sounds():
-    assert MEASURES_OF_SOUNDS == models.MOUTH_MEASURES
+    assert SOUND_MEASURES == models.MOUTH_MEASURES
 
 
 def test_each_pose_of_the_head_moves_what_its_title_says():

@@ -6,8 +6,8 @@ import { actButton, numberField } from "../shell/form_fields.js";
 /** @typedef {Record<string, number>} Mouth measures in widths of the closed mouth */
 /** @typedef {{name: string, own: boolean, steps: Mouth[]}} SoundMouth */
 
-/** Measures with their least and largest values; the last two may stay open. @type {[string, number, number][]} */
-const MEASURES = [["aperture", 0, 1], ["width", -1, 1], ["protrusion", -1, 1], ["jaw", 0, 1]];
+/** Measures with their least and largest values; the last three may stay open. @type {[string, number, number][]} */
+const MEASURES = [["aperture", 0, 1], ["width", -1, 1], ["protrusion", -1, 1], ["jaw", 0, 1], ["firm", 0.1, 4]];
 
 /** Measures that every mouth states. */
 const STATED = new Set(["aperture", "width"]);
@@ -32,7 +32,7 @@ export class MouthTable {
       made("section", { class: "rule-part" },
         made("h3", "Mouths"),
         made("p", { class: "note" }, "The mouth of each sound as a viewer sees it, in widths of the closed mouth. " +
-          "Targets that are solved on your model follow it. A change belongs to this character, " +
+          "Targets that are solved on your model follow it; `firm` is how firmly the aperture is held (1). A change belongs to this character, " +
           "and the face shows the sound that you are at."),
         made("table", { class: "times mouths" }, made("thead", made("tr", ...heads)), this.body)),
     );
