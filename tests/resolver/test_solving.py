@@ -244,6 +244,8 @@ def test_a_mouth_of_an_unknown_sound_is_a_fault(project):
         project("mouths: {aaa: {aperture: 0.4, width: 0}}\n")
     with pytest.raises(ll.LipsyncError, match=r"anna\.yaml:6:.*aperture"):
         project("mouths: {aa: {aperture: 4, width: 0}}\n")
+    with pytest.raises(ll.LipsyncError, match=r"anna\.yaml:6:.* P108 `aa` must have at least 1"):
+        project("mouths: {aa: []}\n")
 
 
 IDLE = {
@@ -281,6 +283,14 @@ def test_mouths_of_a_head_that_is_not_solved_have_no_effect_and_a_warning(
     ):
         ended = cli(*command)
         assert ("W322" in ended.err + ended.out) == (head == "mouth: solved\n"), command
+
+
+def test_a_mouth_beside_a_target_of_the_same_sound_has_a_warning(project):
+    own = "mouths: {aa: {aperture: 0.4, width: 0}, eh: {aperture: 0.3, width: 0}}\n"
+    project(own + "targets: {aa: {jawOpen: 0.9}}\n")
+    (told,) = ll.resolve("english", "anna").compiled.report.idle
+    assert "anna.yaml:6:10: W322 warning: no effect on the motion" in told
+    assert "`targets` states the weights of 'aa'" in told
 
 
 def test_a_line_of_the_project_keeps_the_declared_targets_of_all_faces(

@@ -413,6 +413,10 @@ def idle_mouths(
         why, hint = "the character has no model", f"name one under `model`, or {hint}"
     if stated and not solved:
         yield character.warning((stated,), "W322", f"no effect, because {why}", hint, key=True)
+        return
+    for name in (name for name in model.mouths if name in model.targets):
+        told = f"no effect on the motion, because `targets` states the weights of '{name}'"
+        yield character.warning(("mouths", name), "W322", told, "delete one of both", key=True)
 
 
 def _rules(

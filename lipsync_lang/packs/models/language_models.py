@@ -65,7 +65,7 @@ class SoundMouth(Strict):
     """Firmness with which the aperture is held beside others, on a model: 1 unless stated."""
 
 
-Mouths = Annotated[tuple[SoundMouth, ...], OrOne]
+Mouths = Annotated[tuple[SoundMouth, ...], Field(min_length=1), OrOne]
 """The mouth of a sound, or several in a row for a sound that moves."""
 
 MOUTH_MEASURES = ("aperture", "width", "protrusion", "jaw")
