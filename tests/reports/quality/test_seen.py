@@ -60,6 +60,14 @@ def test_a_jaw_that_opens_too_little_fails(judged, monkeypatch):
     assert opening < film / 2.3
 
 
+@pytest.mark.parametrize(("jaw", "more"), [(1.6, ""), (0.12, "mouth: declared\n")])
+def test_rules_judge_the_mesh_and_not_the_strength_of_its_shapes(judged, monkeypatch, jaw, more):
+    monkeypatch.setitem(face_models.OPENINGS, "jawOpen", jaw)
+    quality = judged(ARKIT, "arkit", more)
+    assert quality["rules opens"].passed is (jaw > 1)
+    assert quality["rules sibilants"].passed
+
+
 def test_consonants_that_open_as_far_as_vowels_fail_and_are_named(judged, monkeypatch):
     for shape in FLAPPING:
         monkeypatch.setitem(face_models.OPENINGS, shape, 0.4)
