@@ -240,8 +240,9 @@ def _measured(performer: Performer, path: Path, sensed: SensorSignals) -> Captur
     other = [name for name in sensed.measures if name not in known]
     remarks = sensed.remarks
     if other:
+        # without the path, so that it is told once for all captures
         told = f"{performer.character} has no measure {few_names(other)}; these are left out"
-        remarks += (f"{path}: {told}",)
+        remarks += (told,)
     return CapturedLine(
         str(path), SILENT_SCHEDULE, times, signals, values, gains, free=True, remarks=remarks
     )

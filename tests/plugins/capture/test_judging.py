@@ -12,7 +12,12 @@ from lipsync_lang.plugins.capture.capture_clock import CLOCK_FPS, ClockReading, 
 from lipsync_lang.plugins.capture.capture_reading import Captures, read_captures
 from lipsync_lang.plugins.capture.fit_file import SetAside
 from lipsync_lang.plugins.capture.fit_lines import CapturedLine
-from lipsync_lang.plugins.capture.judging import _unlike_the_others, judge_captures, outlying_lines
+from lipsync_lang.plugins.capture.judging import (
+    _check_words,
+    _unlike_the_others,
+    judge_captures,
+    outlying_lines,
+)
 from lipsync_lang.reports.quality.baselines import dominance
 
 TEXTS = (
@@ -110,6 +115,15 @@ def test_short_takes_that_follow_their_words_loosely_pass(number):
     assert 0.55 < reading.near < 0.75
     np.testing.assert_array_equal(kept(line).times, line.times)
     assert why(replace(line, schedule=spoken((number + 1) % len(TEXTS))))
+
+
+def test_a_take_that_is_alike_as_recorded_needs_no_chance():
+    motion = compared(performer(), capture(), [spoken(0)])
+    reading = ClockReading(0.6, 0.62, 0.02, 0.1, 0.1, 0.5, 0.62, 0, 0.45, 0.2)
+    assert reading.near < reading.beyond_chance(1.5)
+    _check_words(reading, motion)
+    with pytest.raises(ll.AnimationError, match="chance gives"):
+        _check_words(reading._replace(likeness=0.5), motion)
 
 
 def test_chance_never_asks_for_the_impossible():
