@@ -10,9 +10,11 @@ from shipped import LIBRARY
 from small_models import glb
 
 import lipsync_lang as ll
+from lipsync_lang.faces.rigs import read_outs
 from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.packs import models
 from lipsync_lang.packs.library import Library
+from lipsync_lang.reports.quality.check_animation import check
 from lipsync_lang.resolver.layers import PairPacks
 from lipsync_lang.resolver.solving import (
     _FaceToSolve,
@@ -182,6 +184,17 @@ def test_a_head_that_cannot_be_measured_keeps_the_declared_targets(tmp_path):
     assert solved_face(LIBRARY.poseset("arkit").model, COMMON.mouths(), read_model(path)) is None
     plain, same = (ll.resolve("english", who) for who in ("arkit", path))
     assert np.array_equal(plain.compiled.tables.neutral.curves, same.compiled.tables.neutral.curves)
+    (told,) = same.compiled.report.idle
+    assert told.endswith("head.glb: no shape opens a mouth, so its targets stay as declared")
+
+
+def test_a_head_of_too_many_points_says_so(tmp_path, monkeypatch):
+    monkeypatch.setattr(read_outs, "MAX_MEASURED_POINTS", 9)
+    head = ll.resolve("english", face(tmp_path / "head.glb", *ARKIT))
+    (told,) = head.compiled.report.idle
+    assert "points are too many to find a mouth in (at most 9), so its targets stay" in told
+    remarks = check(head.perform(ll.Schedule(("AA", "D"), [0, 0.2, 0.4]))).remarks
+    assert "points are too many" in remarks[0]
 
 
 @pytest.fixture

@@ -153,7 +153,8 @@ def moved_points(model: Model) -> tuple[Floats, dict[str, Floats]]:
             points = arrays[primitive["attributes"]["POSITION"]]
             blocks.append(points @ turn[:3, :3] + turn[3, :3])
             if (count := sum(map(len, blocks))) > MAX_MEASURED_POINTS:
-                raise ModelError(f"{model.path}: {count:,} points are too many to find a mouth in")
+                what = f"{count:,} points are too many to find a mouth in"
+                raise ModelError(f"{model.path}: {what} (at most {MAX_MEASURED_POINTS:,})")
             targets = dict(zip(mesh.shapes, primitive["targets"], strict=True))
             for name, own in moved.items():
                 at = targets.get(name, {}).get("POSITION")
@@ -194,7 +195,7 @@ def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MouthP
             if share >= USED_SHARE:
                 break
     if not best:
-        raise ModelError(f"{path}: no shape opens a mouth, so its shapes cannot be measured")
+        raise ModelError(f"{path}: no shape opens a mouth")
     line = rest[found].mean(axis=0)
     width, middle = float(np.ptp(line[:, 0])), len(line) // 2
     off = (rest - line[middle]) / width
@@ -307,10 +308,21 @@ def _moving(arrays: Accessors, primitive: Mapping[str, Any], names: Sequence[str
         yield from (name for name, at in offsets.items() if np.abs(arrays[at]).max() > least)
 
 
-@lru_cache(maxsize=8)
 def measured(model: Model) -> Mapping[str, ShapeReadOut]:
     """Measure each shape; empty without a mouth, for a damaged model, and for a large one."""
+    return _measured_or_why(model)[0]
+
+
+def unmeasured(model: Model) -> str:
+    """Return the reason why `measured` is empty; empty if it is not."""
+    return _measured_or_why(model)[1]
+
+
+@lru_cache(maxsize=8)
+def _measured_or_why(model: Model) -> tuple[Mapping[str, ShapeReadOut], str]:
     try:
-        return read_outs(model)
-    except (ModelError, LookupError, TypeError, ValueError):
-        return {}
+        return read_outs(model), ""
+    except ModelError as error:
+        return {}, str(error).removeprefix(f"{model.path}: ")
+    except (LookupError, TypeError, ValueError):
+        return {}, "its points cannot be read"

@@ -9,7 +9,7 @@ import numpy as np
 from lipsync_lang import LipsyncError, ModelError
 from lipsync_lang.base.arrays import Bools, Floats
 from lipsync_lang.faces.rigs.model import known_model
-from lipsync_lang.faces.rigs.read_outs import LEAST_MOUTH
+from lipsync_lang.faces.rigs.read_outs import LEAST_MOUTH, unmeasured
 from lipsync_lang.packs.finding import is_model
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import PoseSet
@@ -62,9 +62,8 @@ class MeasuredFace:
         plain = plain_rig(library, rig, pack) if rig is not None else None
         gains = pose_gains(poseset, known_model(model), plain)
         if gains is None:
-            raise ModelError(
-                f"{model}: its mouth cannot be measured: it is moved by bones, or no shape opens it"
-            )
+            why = unmeasured(known_model(model)) or "it is moved by bones"
+            raise ModelError(f"{model}: its mouth cannot be measured: {why}")
         if gains[0].max(initial=0.0) < LEAST_MOUTH:
             raise ModelError(f"{model}: no pose of {poseset.name} opens its mouth; name another")
         return cls(named, poseset, gains[: len(SEEN_MEASURES)], reach)

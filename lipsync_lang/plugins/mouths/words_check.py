@@ -92,7 +92,8 @@ def words_on_face(performer: Performer) -> WordsOnFace:
     face = face_of(animations[0], performer)
     judged, mouth = judged_on(face, performer.model), face.seen
     if mouth is None:
-        raise LipsyncError(f"{judged}; give a TEXT, or name a model with -c head.glb")
+        other = "another model" if performer.model else "a model"
+        raise LipsyncError(f"{judged}; give a TEXT, or name {other} with -c head.glb")
     mouths = library.common().model.mouths()
     mouths |= {name: own.mouth for name, own in language.adds.items() if own and own.mouth}
     if library.lookup("character", name):

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 import yaml
+from face_models import ARKIT, face
 from hypothesis import given
 from hypothesis import strategies as st
 from lanes import costly, full
@@ -12,6 +13,7 @@ from places import ROOT
 from shipped import LIBRARY
 
 from lipsync_lang.base.errors import LipsyncError, PackError
+from lipsync_lang.faces.rigs import read_outs
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
 from lipsync_lang.pipeline.curve import bspline
@@ -183,7 +185,7 @@ def test_the_command_writes_the_bank_and_tells_the_worst_first(folder, cli):
     assert "already there" in again.err
 
 
-def test_bad_input_is_refused_with_its_place(folder):
+def test_bad_input_is_refused_with_its_place(folder, monkeypatch):
     library = Library()
     drawn = bank(folder / "drawn.yaml", DRAWN)
     bad = bank(folder / "bad.yaml", {"l-ow": {"opn": [[0, 0], [1, 0]]}})
@@ -195,6 +197,10 @@ def test_bad_input_is_refused_with_its_place(folder):
         move_bank(library, drawn, "crab", "facefx")
     with pytest.raises(LipsyncError, match="arkit has no model, so its mouth cannot be measured"):
         move_bank(library, drawn, None, "arkit")
+    face(folder / "head.glb", *ARKIT)
+    monkeypatch.setattr(read_outs, "MAX_MEASURED_POINTS", 9)
+    with pytest.raises(LipsyncError, match=r"measured: .* points are too many to find a mouth in"):
+        move_bank(library, drawn, None, str(folder / "head.glb"))
     with pytest.raises(LipsyncError, match=r"nothing\.glb: cannot be read"):
         move_bank(library, drawn, None, "nothing.glb")
 
