@@ -104,7 +104,7 @@ def draft(library: Library, wanted: PoseSetWish, folder: Path = Path()) -> PoseS
         fits = name == name.strip() and name.isprintable() and 0 < len(name) <= MAX_POSE_NAME_CHARS
         if not fits or name in RESERVED_TARGET_KEYS:
             raise LipsyncError(f"{name!r} cannot be the name of a pose; choose another name")
-    common = library.common().model
+    common, sets = library.common().model, [one.having(one.optional_poses) for one in sets]
     made, why, origin = _made(names, sets, common, guess=wanted.guess)
     if wanted.solve:
         made, origin = _solved(made, wanted.model, common), f"{origin}, solved on the model"

@@ -105,9 +105,10 @@ def test_sounds_that_shut_are_those_of_a_shut_mouth(folder):
 
 
 def test_targets_may_be_solved_on_the_model(folder, cli):
-    face(folder / "head.glb", *ARKIT)
+    face(folder / "head.glb", *ARKIT, "tongueUp")
     said, declared = new(cli, "plain", "--model", "head.glb")
     assert "solved" not in said
+    assert declared.targets["l"][0].weights["tongueUp"] == 1, "an optional pose"
     said, model = new(cli, "thing", "--model", "head.glb", "--solve")
     assert "with the targets of arkit, solved on the model" in said
     gains = pose_gains(model, read_model(folder / "head.glb"))[0]
