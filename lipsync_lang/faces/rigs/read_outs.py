@@ -18,7 +18,7 @@ import numpy as np
 from lipsync_lang.base.arrays import Floats, Ints
 from lipsync_lang.base.errors import ModelError
 from lipsync_lang.faces.rigs.accessors import Accessors
-from lipsync_lang.faces.rigs.model import Model
+from lipsync_lang.faces.rigs.model import Model, some
 from lipsync_lang.faces.rigs.placing import placed
 
 NEAR_SHARE = 0.05
@@ -161,6 +161,10 @@ def moved_points(model: Model) -> tuple[Floats, dict[str, Floats]]:
                 own.append(np.zeros_like(blocks[-1]) if at is None else arrays[at] @ turn[:3, :3])
     rest = np.concatenate(blocks)
     shapes = {name: np.concatenate(own) for name, own in moved.items()}
+    bad = [name for name, own in shapes.items() if not np.isfinite(own).all()]
+    if bad or not np.isfinite(rest).all():
+        what = f"of {some(bad)} has an offset" if bad else "at rest has a place"
+        raise ModelError(f"{model.path}: a point {what} that is not a finite number")
     ways = sum(np.abs(own).sum(axis=1) for own in shapes.values())
     back, front = rest[:, 2].min(), rest[:, 2].max()
     if np.sum(ways) and np.average(rest[:, 2], weights=ways) < back + FRONT_SHARE * (front - back):

@@ -74,6 +74,13 @@ def test_a_model_without_a_mouth_is_refused(tmp_path):
         read_outs(model)
 
 
+def test_an_offset_that_is_no_number_is_refused_with_its_shape(tmp_path):
+    path = face(tmp_path / "head.glb", "jawOpen", "viseme_aa")
+    path.write_bytes(path.read_bytes()[:-4] + np.float32(np.nan).tobytes())
+    with pytest.raises(ModelError, match=r"head\.glb: a point of viseme_aa has an offset"):
+        read_outs(read_model(path))
+
+
 def test_an_aperture_is_read_where_the_lips_touch_and_not_between_their_fronts():
     # A head as in heads of scans: lips that purse part their fronts, and their inner edges meet.
     across = np.linspace(-0.5, 0.5, 11)
