@@ -128,7 +128,7 @@ def _solved(made: models.PoseSet, path: Path | None, common: models.Phonemes) ->
     if path is None:
         raise LipsyncError("targets are solved on a model; name it with --model")
     face = solved_face(made, common.mouths(), read_model(path))
-    if face is None:
+    if face is None or not face.targets:
         what = "its mouth cannot be measured, so no target is solved on it; leave out --solve"
         raise LipsyncError(f"{path}: {what}")
     return made.model_copy(update={"targets": {**made.targets, **face.targets}})

@@ -486,9 +486,11 @@ def _tops(tables: Tables, rows: list[int]) -> Floats:
 
 def _report(shelf: PairPacks, rows: PairRows, shorts: Sequence[Fault]) -> Report:
     warnings = [*(f for f in shelf.library.faults if f.severity == "warning"), *shorts]
-    project, solved = stated_mouth(shelf.library.project), shelf.solved is not None
+    project, solved = (
+        stated_mouth(shelf.library.project),
+        bool(shelf.solved and shelf.solved.targets),
+    )
     idle = idle_mouths(shelf.character, shelf.poseset.model, project, solved=solved)
-    told = shelf.solved.doubts if shelf.solved else [shelf.unsolved] if shelf.unsolved else ()
     origins = [row.origin for row in rows.counted]
     silence = shelf.common.model.silence
     base = set(shelf.common.model.base)
@@ -516,7 +518,7 @@ def _report(shelf: PairPacks, rows: PairRows, shorts: Sequence[Fault]) -> Report
         gaps=tuple("-".join(o.pair) for o in spoken if o.layer == "gap"),
         automatic=shelf.language.model.automatic,
         warnings=tuple(map(str, warnings)),
-        idle=(*map(str, idle), *told),
+        idle=(*map(str, idle), *(shelf.solved.doubts if shelf.solved else ())),
         styles={style: dict(sorted(count.items())) for style, count in drawn.items()},
         trigrams={"-".join(triple): row.origin.layer for triple, (row, _) in rows.halves.items()},
     )

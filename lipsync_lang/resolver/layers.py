@@ -95,8 +95,6 @@ class PairPacks:
     library: Library
     solved: SolvedFace | None = None
     """Targets that were solved on the model; None for a face whose targets are declared."""
-    unsolved: str = ""
-    """Why the mouth of a model that should be solved cannot be measured."""
 
     @classmethod
     def open(
@@ -135,27 +133,24 @@ class PairPacks:
         shelf.refuse_faults()
         poseset = shelf.poseset.model.having((*who.model.has, *has))
         shelf = replace(shelf, poseset=replace(shelf.poseset, model=poseset))
-        solved, unsolved = shelf.solve(on)
-        return replace(shelf, solved=solved, unsolved=unsolved)
+        return replace(shelf, solved=shelf.solve(on))
 
-    def solve(self, on: OtherModel | None = None) -> tuple[SolvedFace | None, str]:
+    def solve(self, on: OtherModel | None = None) -> SolvedFace | None:
         """Solve the targets on the character's model, or on another; None if they are declared.
 
-        Also returns why a mouth cannot be measured. The targets of a pose set were made for its own
-        model. Raises `ModelError` if no pose opens the mouth of the model, or if another model is
-        unreadable.
+        The targets of a pose set were made for its own model. Raises `ModelError` if no pose opens
+        the mouth of the model, or if another model is unreadable.
         """
         # only a model needs the room of rigs
         from lipsync_lang.faces.rigs.model import known_model
-        from lipsync_lang.faces.rigs.read_outs import unmeasured
 
         who, face = self.character.model, self.poseset.model
         named = on.path if on else model_file(self.character, self.poseset)
         own = None if on else model_file(self.poseset)
         if named in {None, own}:
-            return None, ""
+            return None
         if (who.mouth or stated_mouth(self.library.project) or face.mouth) == "declared":
-            return None, ""
+            return None
         path, rig = Path(str(named)), on.rig if on else who.rig
         self.library.note_model(path)
         plain = plain_rig(self.library, rig, self.poseset) if rig is not None else None
@@ -165,11 +160,9 @@ class PairPacks:
             if on:
                 raise
             _log.info("%s keeps the targets of its pose set: %s", who.name, error)
-            return None, ""
+            return None
         face = face.model_copy(update={"reach": who.reach or face.reach})
-        found = solved_face(face, self.mouths | who.mouths, model, plain, self.likes)
-        why = unmeasured(model) if found is None else ""
-        return found, f"{path}: {why}, so its targets stay as declared" if why else ""
+        return solved_face(face, self.mouths | who.mouths, model, plain, self.likes)
 
     def refuse_faults(self) -> None:
         """Raise an error with every fault that prevents a performance of these packs.

@@ -9,7 +9,6 @@ cheapest.
 Poses of contacts, and those that move no measure, such as the tongue's, keep their declared weight.
 """
 
-import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -20,15 +19,13 @@ import numpy as np
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.base.errors import ModelError
 from lipsync_lang.faces.rigs.channel import bare
-from lipsync_lang.faces.rigs.read_outs import LEAST_MOUTH, measured
+from lipsync_lang.faces.rigs.read_outs import LEAST_MOUTH, measured, unmeasured
 from lipsync_lang.packs import models
 from lipsync_lang.packs.models import PhonemeTarget
 from lipsync_lang.packs.models.rig_models import pose_names
 
 if TYPE_CHECKING:
     from lipsync_lang.faces.rigs.model import Model
-
-_log = logging.getLogger(__name__)
 
 FIRMNESS = np.array([1.3, 2.0, 0.5, 0.8])
 """Weight of an error of each measure that a sound states."""
@@ -98,7 +95,7 @@ def solved_face(
     rig: Mapping[str, Any] | None = None,
     likes: Mapping[str, str] | None = None,
 ) -> SolvedFace | None:
-    """Solve the targets of a pose set on a model; None if its mouth cannot be measured.
+    """Solve the targets of a pose set on a model; without any if nothing is measured.
 
     Parameters
     ----------
@@ -129,8 +126,8 @@ def solved_face(
                 f"{model.path}: no shape opens the mouth: {'; '.join(found.doubts)}. Sculpt these, "
                 "or keep the declared targets with `mouth: declared` in a character"
             )
-        _log.info("%s: its mouth cannot be measured", model.path)
-        return None
+        why = f"{model.path}: {unmeasured(model)}, so its targets stay as declared"
+        return SolvedFace(model.path, doubts=(why,)) if not measured(model) else None
     if (most := gains[0].max(initial=0.0)) < LEAST_MOUTH:
         widest, seen = max(measured(model).items(), key=lambda one: one[1].aperture)
         raise ModelError(

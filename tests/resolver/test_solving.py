@@ -14,7 +14,6 @@ from lipsync_lang.faces.rigs import read_outs
 from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.packs import models
 from lipsync_lang.packs.library import Library
-from lipsync_lang.reports.quality.check_animation import check
 from lipsync_lang.resolver.layers import PairPacks
 from lipsync_lang.resolver.solving import (
     _FaceToSolve,
@@ -181,7 +180,9 @@ def test_a_head_on_which_nothing_opens_a_mouth_is_refused_by_the_names_that_are_
 
 def test_a_head_that_cannot_be_measured_keeps_the_declared_targets(tmp_path):
     path = glb(tmp_path / "head.glb", *ARKIT)
-    assert solved_face(LIBRARY.poseset("arkit").model, COMMON.mouths(), read_model(path)) is None
+    assert (
+        solved_face(LIBRARY.poseset("arkit").model, COMMON.mouths(), read_model(path)).targets == {}
+    )
     plain, same = (ll.resolve("english", who) for who in ("arkit", path))
     assert np.array_equal(plain.compiled.tables.neutral.curves, same.compiled.tables.neutral.curves)
     (told,) = same.compiled.report.idle
@@ -192,9 +193,7 @@ def test_a_head_of_too_many_points_says_so(tmp_path, monkeypatch):
     monkeypatch.setattr(read_outs, "MAX_MEASURED_POINTS", 9)
     head = ll.resolve("english", face(tmp_path / "head.glb", *ARKIT))
     (told,) = head.compiled.report.idle
-    assert "points are too many to find a mouth in (at most 9), so its targets stay" in told
-    remarks = check(head.perform(ll.Schedule(("AA", "D"), [0, 0.2, 0.4]))).remarks
-    assert "points are too many" in remarks[0]
+    assert "points are too many to find a mouth in, so its targets stay" in told
 
 
 @pytest.fixture

@@ -153,18 +153,15 @@ def moved_points(model: Model) -> tuple[Floats, dict[str, Floats]]:
             points = arrays[primitive["attributes"]["POSITION"]]
             blocks.append(points @ turn[:3, :3] + turn[3, :3])
             if (count := sum(map(len, blocks))) > MAX_MEASURED_POINTS:
-                what = f"{count:,} points are too many to find a mouth in"
-                raise ModelError(f"{model.path}: {what} (at most {MAX_MEASURED_POINTS:,})")
+                raise ModelError(f"{model.path}: {count:,} points are too many to find a mouth in")
             targets = dict(zip(mesh.shapes, primitive["targets"], strict=True))
             for name, own in moved.items():
                 at = targets.get(name, {}).get("POSITION")
                 own.append(np.zeros_like(blocks[-1]) if at is None else arrays[at] @ turn[:3, :3])
     rest = np.concatenate(blocks)
     shapes = {name: np.concatenate(own) for name, own in moved.items()}
-    bad = [name for name, own in shapes.items() if not np.isfinite(own).all()]
-    if bad or not np.isfinite(rest).all():
-        what = f"of {some(bad)} has an offset" if bad else "at rest has a place"
-        raise ModelError(f"{model.path}: a point {what} that is not a finite number")
+    if bad := [name for name, own in shapes.items() if not np.isfinite(own).all()]:
+        raise ModelError(f"{model.path}: an offset of {some(bad)} is not a finite number")
     ways = sum(np.abs(own).sum(axis=1) for own in shapes.values())
     back, front = rest[:, 2].min(), rest[:, 2].max()
     if np.sum(ways) and np.average(rest[:, 2], weights=ways) < back + FRONT_SHARE * (front - back):
@@ -312,21 +309,18 @@ def _moving(arrays: Accessors, primitive: Mapping[str, Any], names: Sequence[str
         yield from (name for name, at in offsets.items() if np.abs(arrays[at]).max() > least)
 
 
+@lru_cache(maxsize=8)
 def measured(model: Model) -> Mapping[str, ShapeReadOut]:
     """Measure each shape; empty without a mouth, for a damaged model, and for a large one."""
-    return _measured_or_why(model)[0]
+    try:
+        return read_outs(model)
+    except (ModelError, LookupError, TypeError, ValueError):
+        return {}
 
 
 def unmeasured(model: Model) -> str:
-    """Return the reason why `measured` is empty; empty if it is not."""
-    return _measured_or_why(model)[1]
-
-
-@lru_cache(maxsize=8)
-def _measured_or_why(model: Model) -> tuple[Mapping[str, ShapeReadOut], str]:
+    """Return why `measured` is empty; empty if it is not."""
     try:
-        return read_outs(model), ""
-    except ModelError as error:
-        return {}, str(error).removeprefix(f"{model.path}: ")
-    except (LookupError, TypeError, ValueError):
-        return {}, "its points cannot be read"
+        return "" if measured(model) else str(read_outs(model))
+    except (ModelError, LookupError, TypeError, ValueError) as error:
+        return str(error).removeprefix(f"{model.path}: ")

@@ -115,15 +115,10 @@ def check_all(
 
 def judged_on(face: Face, model: Path | None) -> str:
     """Say whether a mesh was judged, or weights and why."""
-    from lipsync_lang.faces.rigs.model import known_model
-    from lipsync_lang.faces.rigs.read_outs import unmeasured
-
     if model is None:
         return "weights were judged: this character has no model"
     if face.seen is None:
-        why = unmeasured(known_model(model, bones=True))
-        told = f"weights were judged: the mouth of {model.name} cannot be measured"
-        return f"{told}: {why}" if why else told
+        return f"weights were judged: the mouth of {model.name} cannot be measured"
     return f"judged on the mesh of {model.name}"
 
 

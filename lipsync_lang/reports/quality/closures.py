@@ -319,8 +319,8 @@ def rules(scene: MeasuredScene) -> Iterable[list[Figure]]:
 
         value = missed / phonemes of the rule
 
-    An aperture is judged on the mesh, if there is one, as a share of the opening of a usual jaw and
-    at reach 1. Lips part farther than teeth, so 0.1 of the mouth's width may come on top.
+    An aperture is judged on the mesh, if there is one, over that of a usual jaw, and at reach 1.
+    Lips part farther than teeth, so 0.1 of the mouth's width may come on top.
     """
     out: list[list[Figure]] = [[] for _ in scene.spans]
     for name, rule in scene.rules.items():

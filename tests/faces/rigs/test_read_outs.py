@@ -77,7 +77,7 @@ def test_a_model_without_a_mouth_is_refused(tmp_path):
 def test_an_offset_that_is_no_number_is_refused_with_its_shape(tmp_path):
     path = face(tmp_path / "head.glb", "jawOpen", "viseme_aa")
     path.write_bytes(path.read_bytes()[:-4] + np.float32(np.nan).tobytes())
-    with pytest.raises(ModelError, match=r"head\.glb: a point of viseme_aa has an offset"):
+    with pytest.raises(ModelError, match=r"head\.glb: an offset of viseme_aa is not"):
         read_outs(read_model(path))
 
 

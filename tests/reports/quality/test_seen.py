@@ -143,8 +143,7 @@ def test_weights_are_judged_without_a_mesh_and_the_result_says_so(judged):
     assert quality.remarks == ("weights were judged: this character has no model",)
     assert quality["seen_opening"].why == "the mouth is not measured on a mesh"
     blind = judged([name for name in ARKIT if name != "jawOpen"], "arkit")
-    (told,) = blind.remarks
-    assert told.endswith(": the mouth of head.glb cannot be measured: no shape opens a mouth")
+    assert blind.remarks == ("weights were judged: the mouth of head.glb cannot be measured",)
 
 
 def test_channels_of_a_rig_move_the_mesh_as_its_poses_do(tmp_path):
