@@ -48,8 +48,7 @@ def fill(options: Namespace) -> None:
     for name, usual in (("fps", USUAL_FPS), ("offset", "0")):
         if getattr(options, name, "") is None:
             setattr(options, name, usual)
-    # Defaults of `getattr` tell a command without an option (True) from an option that is not
-    # given.
+    # Defaults of `getattr` tell a command without an option (True) from one that is not given.
     if not getattr(options, "language", True) and _only_sound(options):
         from lipsync_lang.packs.automatic import UNDETERMINED
 

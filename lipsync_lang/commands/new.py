@@ -88,8 +88,7 @@ def _of_table(options: Namespace) -> int:
     tell_written(path)
     tell_all(drafted.matches)
     try:
-        # The draft is read like any project, so that its faults are told while the table is at
-        # hand.
+        # The draft is read like any project: its faults are told while the table is at hand.
         planned = read_script(open_project(path), paths=options.path)
     except LipsyncError as error:
         print(f"{error}\ncorrect the script, then run: lipsync-lang build", file=sys.stderr)

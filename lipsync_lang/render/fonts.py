@@ -85,8 +85,7 @@ def find_fonts(letters: frozenset[str], coverage: FontCoverage) -> FoundFonts:
     chosen: list[Path] = []
     missing = set(letters)
     while missing and wanted:
-        # Greedy: the smallest set of fonts is not worth a search, and the order of files breaks
-        # ties.
+        # Greedy: the smallest set of fonts is not worth a search; the order of files breaks ties.
         best = max(wanted, key=lambda path: len(wanted[path] & missing))
         if not wanted[best] & missing:
             break

@@ -486,10 +486,8 @@ def _tops(tables: Tables, rows: list[int]) -> Floats:
 
 def _report(shelf: PairPacks, rows: PairRows, shorts: Sequence[Fault]) -> Report:
     warnings = [*(f for f in shelf.library.faults if f.severity == "warning"), *shorts]
-    project, solved = (
-        stated_mouth(shelf.library.project),
-        bool(shelf.solved and shelf.solved.targets),
-    )
+    project, face = stated_mouth(shelf.library.project), shelf.solved
+    solved = bool(face and face.targets)
     idle = idle_mouths(shelf.character, shelf.poseset.model, project, solved=solved)
     origins = [row.origin for row in rows.counted]
     silence = shelf.common.model.silence
@@ -518,7 +516,7 @@ def _report(shelf: PairPacks, rows: PairRows, shorts: Sequence[Fault]) -> Report
         gaps=tuple("-".join(o.pair) for o in spoken if o.layer == "gap"),
         automatic=shelf.language.model.automatic,
         warnings=tuple(map(str, warnings)),
-        idle=(*map(str, idle), *(shelf.solved.doubts if shelf.solved else ())),
+        idle=(*map(str, idle), *(face.doubts if face else ())),
         styles={style: dict(sorted(count.items())) for style, count in drawn.items()},
         trigrams={"-".join(triple): row.origin.layer for triple, (row, _) in rows.halves.items()},
     )

@@ -77,8 +77,7 @@ def check_language(language: Pack[models.Language], common: models.Phonemes) -> 
             yield language.unknown(place, "P217", "notation", name, model.notations)
     yield from _similar_notations(language)
     for word, reading in model.words.items():
-        loc = ("words", word, "phonemes")
-        yield from _phonemes(language, loc, reading.phonemes, known, common)
+        yield from _phonemes(language, ("words", word, "phonemes"), reading.phonemes, known, common)
     for index, test in enumerate(model.tests):
         yield from _phonemes(language, ("tests", index, "phonemes"), test.phonemes, known, common)
         yield from _phonemes(language, ("tests", index, "read"), test.read, known, common)
@@ -413,8 +412,7 @@ def idle_mouths(
         why, hint = "the character has no model", f"name one under `model`, or {hint}"
     if stated and not solved:
         yield character.warning((stated,), "W322", f"no effect, because {why}", hint, key=True)
-        return
-    for name in (name for name in model.mouths if name in model.targets):
+    for name in [name for name in model.mouths if solved and name in model.targets]:
         told = f"no effect on the motion, because `targets` states the weights of '{name}'"
         yield character.warning(("mouths", name), "W322", told, "delete one of both", key=True)
 
@@ -431,11 +429,10 @@ def _rules(
         yield from _phonemes(pack, (*at, "phonemes"), rule.phonemes, phonemes)
         yield from _twice(pack, (*at, "phonemes"), rule.phonemes)
         if rule.measure not in poseset.measures:
-            what = f"unknown measure '{rule.measure}'"
             hint = did_you_mean(rule.measure, poseset.measures)
             if not poseset.measures:
                 hint = "state it under `measures` of the pose set, as sums of gain times pose"
-            yield pack.fault((*at, "measure"), "P231", what, hint)
+            yield pack.fault((*at, "measure"), "P231", f"unknown measure '{rule.measure}'", hint)
 
 
 def _file(pack: Pack[Any], loc: Loc, file: str | None) -> Iterator[Fault]:

@@ -62,8 +62,8 @@ LEAST_LIKENESS = 0.3
 """Minimum likeness of motion and curves of the same words."""
 
 SURE_LIKENESS = 0.55
-"""Likeness as recorded, without any offset, above which chance is not asked: over 2 s, one measure
-of real lips is as like as its shuffled phonemes where these may choose their offset."""
+"""Likeness as recorded, without an offset, above which a line passes whatever chance gives. Over
+2 s of one measure, shuffled phonemes that choose their offset are nearly as like."""
 
 CHANCES, MOVED_CHANCES = 2.5, 3.5
 """Minimum distance of the likeness from chance in standard deviations, and that of a line with

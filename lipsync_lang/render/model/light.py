@@ -144,8 +144,7 @@ def openness(scene: Scene, camera: Camera) -> Floats:
     for way in np.column_stack([across * np.cos(turn), height, across * np.sin(turn)]):
         right = unit(np.cross(way, (0.3, 1.0, 0.2))[None])[0]
         flat = (points @ np.column_stack([right, np.cross(way, right)]) + 1) * (CELLS / 2)
-        # Depths must be above 0 for the rasteriser; the model lies within a few units of the
-        # middle.
+        # The rasteriser needs depths above 0; the model lies within a few units of the middle.
         near = points @ way / 8 + 1
         some = np.abs(area(flat[corners])) > MIN_AREA
         keys = np.zeros(CELLS * CELLS, np.uint64)

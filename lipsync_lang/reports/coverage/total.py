@@ -130,8 +130,7 @@ def joined(
     speakers = grouped((one.what, one) for corpus in corpora for one in corpus.other_speakers)
     # not a sum, because all columns have the same rows
     others = (max(own, key=attrgetter("count")) for own in speakers.values())
-    # A language in two columns is two readings of one script, so their reports need the column's
-    # name.
+    # A language in two columns is two readings of one script: their reports name the column.
     read_in = {(one.language, at) for at, (_, d) in enumerate(documents) for one in d.reports}
     columns = Counter(language for language, _ in read_in)
     reports = tuple(

@@ -315,12 +315,11 @@ def rules(scene: MeasuredScene) -> Iterable[list[Figure]]:
 
     A rule names phonemes, a measure of the pose set, and a bound. At one frame of the
     phoneme, extended by half a frame, the measure must be at least `at_least` or at most
-    `at_most`. The limit is the rule's own `missed`::
+    `at_most`. An aperture is judged on the mesh, if there is one, over that of a usual jaw, and at
+    reach 1. Lips part farther than teeth, so 0.1 of the mouth's width may come on top of `at_most`.
+    The limit is the rule's own `missed`::
 
         value = missed / phonemes of the rule
-
-    An aperture is judged on the mesh, if there is one, over that of a usual jaw, and at reach 1.
-    Lips part farther than teeth, so 0.1 of the mouth's width may come on top.
     """
     out: list[list[Figure]] = [[] for _ in scene.spans]
     for name, rule in scene.rules.items():

@@ -141,10 +141,8 @@ def describe(figure: Figure) -> str:
     """Return a figure's value, limit and largest parts in words."""
     if figure.value is None:
         return f"not judged: {figure.why}"
-    value = figure.value
-    if figure.limit is not None and figure.passed:
-        value = min(value, figure.limit)  # what rounding alone lifts above the limit is on it
-    words = f"{value:.4g} {figure.unit}".rstrip()
+    most = figure.limit if figure.passed and figure.limit else figure.value  # not past by rounding
+    words = f"{min(figure.value, most):.4g} {figure.unit}".rstrip()
     if figure.limit is not None:
         words += f", at most {figure.limit:g}"
     if figure.parts:

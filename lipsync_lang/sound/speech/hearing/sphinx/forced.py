@@ -282,8 +282,7 @@ class Graph:
         """Add optional silence and other sound, alternating."""
         silence = self.model.silence
         quiet = self.add(Node(OUTSIDE, silence, WordPosition.INSIDE), silence, silence, before)
-        # Silence and other sound follow each other in any order: each is a predecessor of the
-        # other.
+        # Silence and other sound follow each other in any order: each may precede the other.
         other = Node(OUTSIDE, OUTSIDE, WordPosition.INSIDE)
         loud = self.add(other, silence, silence, [*before, quiet])
         self.before[quiet].append(loud)
