@@ -65,8 +65,7 @@ def write_new(files: NewFiles) -> None:
             copyfileobj(source, stream)
 
     for path in files:
-        # A stranger's project may hold links out of it; a folder that the user names is the user's
-        # own.
+        # A stranger's project may hold links out of it; a folder that the user names is his.
         if path.absolute().is_relative_to(Path.cwd()):
             refuse_outside(path, Path.cwd())
         path.parent.mkdir(parents=True, exist_ok=True)

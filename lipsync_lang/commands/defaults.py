@@ -121,8 +121,7 @@ def _take(options: Namespace, pack: "Pack[Project]", folder: Path) -> None:
             setattr(options, name, value)
     if project.motion is not None and hasattr(options, "settings"):
         stated = project.motion.model_dump(exclude_none=True).items()
-        # A preset on the command line replaces the project's motion as a whole; single settings
-        # follow it.
+        # A preset on the command line replaces all of the project's motion; settings follow it.
         again = any(one.startswith("motion=") for one in options.settings)
         own_settings = (f"motion.{name}={value}" for name, value in stated if not again)
         # A preset is the setting of motion as a whole.

@@ -79,8 +79,7 @@ def serve(
         print(f"{what} is at {address}", flush=True)
         print(end, file=sys.stderr)
         if options.browser:
-            # The socket listens already, so an early browser waits; the pause lets the address be
-            # printed.
+            # The socket listens already, so an early browser waits until the address is printed.
             threading.Timer(0.3, webbrowser.open, (address,)).start()
         config = uvicorn.Config(
             page, log_level=logging.WARNING, access_log=False, lifespan="off",

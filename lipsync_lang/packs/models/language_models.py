@@ -302,8 +302,7 @@ class G2P(Strict):
     """A regular expression, in small letters, of the words of a language in Latin letters; with
     `foreign`, other words are said by the voice."""
     corrections: tuple[LabelCorrection, ...] = ()
-    """Corrections of the engine's labels, tried in order at each label; the first that fits
-    wins."""
+    """Corrections of the engine's labels, tried in order at each label; the first to fit wins."""
 
     @property
     def reading_backend(self) -> str:

@@ -183,8 +183,7 @@ class TimingFormat(Strict):
     notation: Text | None = None
     """Notation of the phonemes."""
     mentions: tuple[Text, ...] = ()
-    """Fields that tell the format, of which a file has one. By default the fields of its first
-    record."""
+    """Fields that tell the format: a file has one. By default the fields of its first record."""
 
     @model_validator(mode="after")
     def _some_list(self) -> Self:
@@ -292,8 +291,7 @@ class Project(PackModel):
     columns: ScriptColumns = ScriptColumns()
     """Columns of tables, where their names do not tell."""
     encoding: Text | None = None
-    """Encoding of the script's files, such as cp1252. By default UTF-8, or the one
-    that a file states."""
+    """Encoding of the script's files, such as cp1252. By default UTF-8, or what a file states."""
     audio: RecordingPath | None = None
     """The recording of a line, such as `vo/{language}/{id}.wav`; lines without one are spoken."""
     recordings: Literal["optional", "required"] = "optional"

@@ -318,8 +318,7 @@ class SharedText(Strict):
     interjections: InterjectionTable = Field(default={})
     """The sounds of interjections in IPA, for every language whose `g2p` writes IPA."""
     nearby: dict[Label, tuple[Label, ...]] = Field(default={})
-    """For a label that a language does not have, others in order; a sound without any is left
-    out."""
+    """For a label that a language lacks, others in order; a sound without any is left out."""
     alike: tuple[Annotated[tuple[Text, ...], AfterValidator(_read_alike)], ...] = ()
     """Spellings of one abbreviation. A language that states the first has the others, too, unless
     it states them itself."""

@@ -52,8 +52,7 @@ class EntrySpan:
     start: int
     """Start of the key, of an item in brackets, or of an item's dash."""
     after: int
-    """End of the colon, the dash, or a key alone; where a value has no character, one can be put
-    here."""
+    """End of the colon, the dash, or a key alone; a value without a character can be put here."""
     value: Span
 
 

@@ -150,8 +150,7 @@ class Artist:
         parts = [np.where(behind[:, None, None], back[triangles], front[triangles])]
         if self._textured.any():
             near = depth[..., None]
-            # Divided by the distance, texture coordinates are linear on the picture; a sample
-            # divides back.
+            # Texture coordinates over the distance are linear on the picture; samples divide back.
             parts += [scene.places[triangles] * near, near]
         return np.concatenate(parts, axis=2)
 

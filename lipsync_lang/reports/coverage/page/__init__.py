@@ -202,8 +202,7 @@ def distribution(rows: Sequence[StateRow], codes: str, needed: Mapping[str, int]
         heights = [CHART_HEIGHT - round(row["percent"] * CHART_HEIGHT / top) for row, _ in group]
         steps = "".join(f"V{height}h1" for height in heights)  # adjacent bars share a piece
         outlines[code] += f"M{rank} {CHART_HEIGHT}{steps}V{CHART_HEIGHT}z"
-        # One path for each status: thousands of bars as elements of their own would slow a browser
-        # down.
+        # One path for each status: thousands of bars as elements of their own are slow in browsers
         rank += len(heights)
     return Chart(
         "Distribution",

@@ -191,8 +191,7 @@ def _searched(power: Floats, voice: SpokenVoice, tempo: float) -> list[LikelySpa
 
 def relative_costs(a: Floats, b: Floats) -> Floats:
     """Return the distance of each pair of frames relative to unrelated pairs: (T, M), about 0."""
-    # |a - b|^2 = a^2 + b^2 - 2ab: a matrix product in place of all differences. Rounding may take
-    # it below 0.
+    # |a - b|^2 = a^2 + b^2 - 2ab: a matrix product, not all differences. Rounding may pass 0.
     square = (a**2).sum(axis=1)[:, None] + (b**2).sum(axis=1) - 2 * a @ b.T
     apart: Floats = np.sqrt(np.maximum(square, 0))
     rows, columns = (int(UNRELATED_SHARE * (length - 1)) for length in apart.shape[::-1])
@@ -227,8 +226,7 @@ def subsequences(costs: list[Floats]) -> list[tuple[float, int, int]]:
     for t, cost in enumerate(table):
         on = went <= stood
         either, either_from = np.where(on, went, stood), np.where(on, went_from, stood_from)
-        # From `went` alone: the voice stands still at most once in a row, so it is at most twice as
-        # slow.
+        # From `went` alone: the voice stands still once in a row, so it is at most twice as slow.
         stood, stood_from = went + DRIFT_COST + cost, went_from
         # A cost of 0 in the first column: the voice may start at any frame.
         went, went_from = np.zeros(shape), np.full(shape, t)
@@ -461,8 +459,7 @@ def _laid(
     for number, label in enumerate(voice.labels):
         if number in pauses:
             low, high = pauses[number]
-            # The warp may put a boundary into the pause; sound of a phoneme ends where the pause
-            # starts.
+            # The warp may put a boundary into the pause; a phoneme ends where the pause starts.
             times = [min(at, low) for at in times]
             starts[number:] = np.maximum(starts[number:], high)
             labels.append(SILENCE)
