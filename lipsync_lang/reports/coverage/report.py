@@ -9,6 +9,7 @@ from typing import Any, Literal, NamedTuple
 from pydantic import BaseModel, ConfigDict
 
 AUTHORED = frozenset(("edited", "approved"))
+FITTED_STATUS = "fitted"
 BORROWED_LAYER = "like"
 UNSTATED = frozenset((BORROWED_LAYER, "draft", "gap"))
 """Layers of bigrams that no bank states: once a bank does, its own are played."""

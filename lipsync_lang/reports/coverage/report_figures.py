@@ -11,6 +11,7 @@ from lipsync_lang.performing.performer import Performer
 from lipsync_lang.reports.coverage import plan
 from lipsync_lang.reports.coverage.corpus import Count, Pages
 from lipsync_lang.reports.coverage.report import (
+    FITTED_STATUS,
     UNSTATED,
     AuthoredShare,
     BigramNeed,
@@ -123,7 +124,8 @@ def report_of(
     rows = counted_lines.bigrams(counted_lines.spoken, origins, names, trigrams)
     total = sum(row.count for row in rows)
     missing = [row for row in rows if not row.authored]
-    soon = missing[: plan.affordable(minutes)]
+    # what was fitted to captures waits for a check alone
+    soon = sorted(missing, key=lambda row: row.status == FITTED_STATUS)[: plan.affordable(minutes)]
     drawn = sum(row.covered for row in rows)
     gain = sum(row.count - row.covered for row in soon)
     return CoverageReport(

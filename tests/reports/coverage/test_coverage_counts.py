@@ -19,6 +19,7 @@ from lipsync_lang.base.presentation.wording import percent
 from lipsync_lang.pipeline.track import lay_track
 from lipsync_lang.reports.coverage import coverage
 from lipsync_lang.reports.coverage.forms import FORMS, FormOptions
+from lipsync_lang.reports.coverage.forms.text import _next
 from lipsync_lang.reports.coverage.report import Coverage, authored, schema
 from lipsync_lang.text.lines import Line, read_lines
 
@@ -183,6 +184,14 @@ def test_a_draft_is_never_authored(packs, status, counted):
     assert ("aa-d" in told.next_hour.bigrams) is not counted
     tried = {name for sentence in told.sentences for name in sentence.bigrams}
     assert tried == {one.bigram for one in told.bigrams if not one.authored}
+
+
+def test_a_fitted_bigram_is_left_and_comes_last(packs):
+    bank(packs, "fitted")
+    assert report("tata", minutes=60).next_hour.bigrams == ("d-aa",)
+    told = report("ta ta ta at", minutes=60)
+    assert told.next_hour.bigrams != ("aa-d",)
+    assert "1 of them fitted, to be checked" in "\n".join(_next(told, 60))
 
 
 @pytest.mark.usefixtures("packs")

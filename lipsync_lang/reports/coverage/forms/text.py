@@ -11,6 +11,7 @@ from lipsync_lang.base.presentation.wording import percentage_text, ranked_text
 from lipsync_lang.reports.coverage.forms import FORMS, FormOptions
 from lipsync_lang.reports.coverage.plan import affordable
 from lipsync_lang.reports.coverage.report import (
+    FITTED_STATUS,
     Corpus,
     Coverage,
     CoverageChanges,
@@ -111,10 +112,12 @@ def _next(report: CoverageReport, minutes: float) -> Iterator[str]:
         yield from (f"  {name} in {place}" for name, place in places.items() if place)
     else:
         yield f"next: draw {report.left.bigrams} bigrams; an hour is not enough for one"
+    fitted = sum(not one.authored and one.status == FITTED_STATUS for one in report.bigrams)
     yield (
         f"authored: {report.authored.bigrams} of {count(len(report.bigrams), 'bigram')}, "
         f"{percentage_text(report.authored.percent)} of the speech; "
         f"{count(report.left.bigrams, 'bigram')} left, {report.left.hours:g} hours"
+        f"{f'; {fitted} of them fitted, to be checked' if fitted else ''}"
     )
 
 
