@@ -50,6 +50,9 @@ SHUT = 0.1
 RESERVED_TARGET_KEYS = frozenset({"dominance", "status", "weights"})
 """Reserved keys of a target, excluded as pose names."""
 
+WEIGHT_PLACES = 3
+"""Places of the weights of a drafted target."""
+
 MAX_POSE_NAME_CHARS = 120
 
 MAX_SCREEN_LINES = 90
@@ -123,6 +126,39 @@ def draft(library: Library, wanted: PoseSetWish, folder: Path = Path()) -> PoseS
     return PoseSetDraft(path, outputs, "; ".join(said))
 
 
+def solve_looks(library: Library, name: str, model: Path | None) -> PackDraft:
+    """Solve the looks of a pose set on a model: the file `targets.yaml`, which the set extends.
+
+    The looks stay as they are, so a second run gives the same weights.
+
+    Raises
+    ------
+    LipsyncError
+        The set states no looks, is no part of this folder, or somebody wrote the file by hand.
+    """
+    pack, common = library.poseset(name), library.common().model
+    made, path = pack.model, pack.path.with_name("targets.yaml")
+    optional = (*made.optional_poses,)
+    if not made.looks:
+        what = "states no looks; call the targets that are to be solved `looks`"
+        raise PackError(f"{pack.path}: {what}")
+    if not path.resolve().is_relative_to(Path.cwd()):
+        raise PackError(f"{pack.path}: lies outside this folder; copy the pose set to posesets/")
+    head = f"# Targets of {name}, solved on "
+    if path.exists() and not path.read_text("utf-8").startswith(head):
+        raise PackError(f"{path}: was written by hand, so it stays; move it away first")
+    lines = [
+        f"{head}{model and model.name}: the face at each sound without a model.",
+        "# Change the looks, and write this file again:",
+        f"# lipsync-lang posesets solve {name} --model {model and model.name}",
+        "kind: poseset", "format: 1", "name: targets", *_poses(made, {}, packed=True),
+        f"optional_poses: {on_one_line({pose: {} for pose in optional})}", "targets:",
+        *_targets(_solved(made.having(optional), model, common), common, packed=True), "",
+    ]  # fmt: skip
+    count = f"{len(made.looks)} targets, solved on the model"
+    return PoseSetDraft(path, {path: "\n".join(lines).encode()}, count)
+
+
 def _solved(made: models.PoseSet, path: Path | None, common: models.Phonemes) -> models.PoseSet:
     """Return a pose set whose targets are solved on a model."""
     if path is None:
@@ -131,7 +167,8 @@ def _solved(made: models.PoseSet, path: Path | None, common: models.Phonemes) ->
     if face is None or not face.targets:
         what = "its mouth cannot be measured, so no target is solved on it; leave out --solve"
         raise LipsyncError(f"{path}: {what}")
-    return made.model_copy(update={"targets": {**made.targets, **face.targets}})
+    targets = {**made.targets, **made.looks, **face.targets}
+    return made.model_copy(update={"targets": targets})
 
 
 def _sets(library: Library, like: str | None) -> list[models.PoseSet]:
@@ -332,7 +369,9 @@ def _targets(model: PoseSet, common: Phonemes, *, packed: bool) -> Iterator[str]
         for step in steps:
             insisting = step.dominance or step.overall
             dominance = {} if insisting in ({}, None) else {"dominance": insisting}
-            told.append(on_one_line({**step.weights, **dominance}))
+            # a solver may leave -0
+            weights = {n: round(one, WEIGHT_PLACES) + 0.0 for n, one in step.weights.items()}
+            told.append(on_one_line({**weights, **dominance}))
         listed = told[0] if len(told) == 1 else f"[{', '.join(told)}]"
         entries[label] = f"  {label + ':':<4} {listed}"
     width = min(40, max(map(len, entries.values()), default=0))

@@ -27,7 +27,7 @@ def packs(options: Namespace) -> int:
     from lipsync_lang.packs.library import Library
 
     library = Library(options.path)
-    if options.action == "new":
+    if options.action in {"new", "solve"}:
         made: Any = NEW[options.kind](library, options)
         made.write()
         print(made, file=sys.stderr)
@@ -97,8 +97,12 @@ def _new_language(library: "Library", options: Namespace) -> "PackDraft":
 
 
 def _new_poseset(library: "Library", options: Namespace) -> "PackDraft":
-    from lipsync_lang.authoring.poseset_draft import PoseSetWish, draft
+    from lipsync_lang.authoring.poseset_draft import PoseSetWish, draft, solve_looks
 
+    if options.action == "solve":
+        if options.name is None:
+            raise LipsyncError("name the pose set: posesets solve NAME --model FILE")
+        return solve_looks(library, options.name, options.model)
     if options.name is None:
         raise LipsyncError("name the new pose set, and its poses: posesets new NAME POSE ...")
     wanted = PoseSetWish(

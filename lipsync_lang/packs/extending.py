@@ -172,9 +172,16 @@ def merged_face(line: "list[Pack[PoseSet]]") -> "tuple[PoseSet, list[Fault]]":
         known = {pose for one in models for pose in (*one.poses, *one.posture_poses)}
         wrong = sorted(renamed.keys() - known)
         faults += [pack.unknown(("renamed", n), "P201", "pose", n, known, key=True) for n in wrong]
-    whole = reduce(joined, reversed(parts))
+    whole = reduce(_over, reversed(parts))
     # the path of a model is that of its own file
     return whole.model_copy(update={"model": child.model, "renamed": child.renamed}), faults
+
+
+def _over(parent: "PoseSet", child: "PoseSet") -> "PoseSet":
+    """Join two pose sets; a target that the child states is its look as well."""
+    looks = {name: one for name, one in parent.looks.items() if name not in child.targets}
+    whole: PoseSet = joined(parent.model_copy(update={"looks": looks}), child)
+    return whole
 
 
 def test_fault(pack: "Pack[Language]", index: int, what: str, hint: str, *more: str) -> Fault:

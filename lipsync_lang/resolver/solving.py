@@ -136,15 +136,16 @@ def solved_face(
             f"by {seen.aperture:.3f}. Make those that open it poses with `lipsync-lang posesets "
             "new`, or keep the declared targets with `mouth: declared` in a character"
         )
+    looks = {**poseset.targets, **poseset.looks}
     face = _FaceToSolve.of(poseset, gains)
-    looks = {**(likes or {}), **{name: name for name in poseset.targets}}
+    like = {**(likes or {}), **{name: name for name in looks}}
     asked = {
-        name: asked_measures(mouths[name], len(poseset.targets[look]), poseset.reach)
-        for name, look in looks.items()
-        if mouths.get(name) and look in poseset.targets
+        name: asked_measures(mouths[name], len(looks[look]), poseset.reach)
+        for name, look in like.items()
+        if mouths.get(name) and look in looks
     }
     targets = {
-        name: face.target(looks[name], poseset.targets[looks[name]], rows, mouths[name][0].firm)
+        name: face.target(like[name], looks[like[name]], rows, mouths[name][0].firm)
         for name, rows in asked.items()
     }
     reached = {n: np.array([gains @ face.weights(one) for one in targets[n]]) for n in targets}
@@ -230,7 +231,8 @@ class _FaceToSolve:
         groups = [np.array([number[n] for n in one]) for one in found if one[0] not in seconds]
         opening = gains[0] > OPENING_SHARE * np.abs(gains[1])
         made = cls(poseset, gains, groups, opening, np.ones(len(number)))
-        steps = [made.weights(one) for steps in poseset.targets.values() for one in steps]
+        looks = {**poseset.targets, **poseset.looks}
+        steps = [made.weights(one) for steps in looks.values() for one in steps]
         most = np.where(opening, 1.0, np.maximum(np.max(steps, axis=0), MOST_SHAPE))
         still = np.abs(gains).max(axis=0) <= STILL_GAIN
         touching = {pose for contact in poseset.contacts.values() for pose in contact.floor}

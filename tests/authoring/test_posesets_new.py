@@ -136,6 +136,57 @@ def test_targets_that_cannot_be_solved_are_told(folder, cli, more, why):
     assert not (folder / "posesets").exists()
 
 
+def looked(folder):
+    """Write a pose set of a project whose targets are to be solved."""
+    drawn = Library(project=None).poseset("arkit").model.looks
+    looks = {name: [step.weights for step in steps] for name, steps in drawn.items()}
+    poses = {pose: {} for steps in looks.values() for step in steps for pose in step}
+    put(
+        folder,
+        "posesets/own/poseset.yaml",
+        f"kind: poseset\nformat: 1\nname: own\nposes: {json.dumps(poses)}\n"
+        f"looks: {json.dumps(looks)}\n",
+    )
+    return folder / "posesets/own/poseset.yaml"
+
+
+def test_looks_are_solved_on_a_head_and_the_second_run_gives_the_same(folder, cli):
+    face(folder / "head.glb", *ARKIT)
+    path = looked(folder)
+    ended = cli("posesets", "solve", "own", "--model", "head.glb")
+    assert (ended.code, "targets, solved on the model" in ended.err) == (0, True), ended.err
+    first = path.with_name("targets.yaml").read_text("utf-8")
+    assert first.startswith("# Targets of own, solved on head.glb")
+    path.write_text(path.read_text("utf-8") + "extends: targets.yaml\n", "utf-8")
+    assert cli("posesets", "solve", "own", "--model", "head.glb").code == 0
+    assert path.with_name("targets.yaml").read_text("utf-8") == first
+    assert cli("validate", "posesets/own").code == 0
+    made = Library().poseset("own").model
+    (aa,), (look,) = made.targets["aa"], made.looks["aa"]
+    gains = pose_gains(made, read_model(folder / "head.glb"))[0]
+    opens, drawn = (gains @ [one.weights.get(pose, 0) for pose in made.poses] for one in (aa, look))
+    wanted = Library(project=None).common().model.phonemes["aa"].mouth[0].aperture
+    assert abs(opens - wanted) < abs(drawn - wanted) / 2
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("own", "targets.yaml: was written by hand, so it stays"),
+        ("vrm", "states no looks; call the targets"),
+        ("arkit", "lies outside this folder; copy the pose set to posesets/"),
+        (None, "name the pose set: posesets solve NAME --model FILE"),
+    ],
+)
+def test_looks_that_cannot_be_solved_are_told_and_nothing_is_lost(folder, cli, name, why):
+    face(folder / "head.glb", *ARKIT)
+    hand = looked(folder).with_name("targets.yaml")
+    hand.write_text("# mine\n", "utf-8")
+    ended = cli("posesets", "solve", *([name] if name else []), "--model", "head.glb")
+    assert (ended.code, why in ended.err) == (2, True), ended.err
+    assert hand.read_text("utf-8") == "# mine\n"
+
+
 @pytest.mark.usefixtures("folder")
 def test_what_is_in_a_draft_explains_itself(cli):
     new(cli, "thing", "zz top", "true", "zz: zy", "--guess", "--title", "It's a:\n thing")

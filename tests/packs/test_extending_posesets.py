@@ -75,6 +75,12 @@ def test_targets_of_a_file_beside_are_found_there(written):
     assert made.where(("targets", "aa"), key=True) == FilePlace(path, 6, 3)
 
 
+def test_a_stated_target_is_its_own_look(written):
+    written("own", "extends: arkit\nposes: {jawOpen: {}}\ntargets: {aa: {jawOpen: 0.5}}\n")
+    made, parent = (Library().poseset(name).model for name in ("own", "arkit"))
+    assert made.looks.keys() == parent.looks.keys() - {"aa"}
+
+
 @pytest.mark.parametrize(
     ("more", "place", "what"),
     [
