@@ -57,7 +57,7 @@ CHIN_BOX = (0.0, -0.7, 0.0), (0.15, 0.25, 0.5)
 TONGUE_BOX = (0.0, 0.0, -0.66), (0.3, 0.4, 0.54)
 """The same of the tongue, which lies behind the lips."""
 
-LIP_BOX = 0.02, 0.15, 0.135
+LIP_BOX = 0.05, 0.15, 0.135
 """Half the size of the part of a lip behind its front; the teeth lie deeper."""
 
 

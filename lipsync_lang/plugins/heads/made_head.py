@@ -172,17 +172,15 @@ def make_head(model: FaceModel, wish: HeadWish) -> MadeHead:
     recipe, neutral = model.recipe, model.neutral
     shift = model.identity(wish.identities, wish.seed)
     shapes = {**model.shapes(), **_tongue_shapes(model)}
-    rest = sum(weight * shapes[name] for name, weight in recipe["rest"].items())
-    points = neutral.points + shift + rest
+    points = neutral.points + shift
+    points += _shut(points, shapes, recipe["rest"])
     surface = _surfaces(model)
     on = {
         name: _marked(neutral.triangles[surface == number], len(points))
         for number, name in enumerate(recipe["surfaces"])
     }
     points[on["teeth"], 0] -= recipe["teeth_nearer"] * np.sign(points[on["teeth"], 0])
-    row = recipe["lower_teeth"]
-    lower = (on["teeth"] | on["gums"]) & shapes[row["moved_by"]].any(axis=1)
-    points[lower, 1] += row["higher"]
+    _set_teeth(points, shapes, on, recipe)
     pupils = np.array([[rim[0], *pair] for rim in recipe["rims"] for pair in pairwise(rim[1:])])
     seen = surface >= 0
     triangles = np.concatenate([neutral.triangles[seen], pupils])
@@ -201,6 +199,26 @@ def make_head(model: FaceModel, wish: HeadWish) -> MadeHead:
     if wish.hair is not None:
         extra.append(_worn(wish.hair, neutral.points, shift, recipe))
     return _fitted(body, web, extra, model, wish.megabytes)
+
+
+def _shut(points: Floats, shapes: Mapping[str, Floats], rest: Json) -> Floats:
+    """Return the offsets (V, 3) that shut the lips of a person: these differ in how they rest."""
+    upper, lower, closed = rest["upper"], rest["lower"], shapes[rest["by"]]
+    gap = points[upper, 1].min() - points[lower, 1].max() + rest["overlap"]
+    return closed * gap / (closed[lower, 1].max() - closed[upper, 1].max())
+
+
+def _set_teeth(
+    points: Floats, shapes: Mapping[str, Floats], on: Mapping[str, Bools], recipe: Json
+) -> None:
+    """Move both rows of teeth up or down: people differ in what their lips show of them."""
+    row, lip = recipe["teeth"], points[recipe["rest"]["upper"], 1].min()
+    lower = shapes[row["lower_moved_by"]].any(axis=1)
+    front = on["teeth"] & (np.abs(points[:, 0]) < row["aside"])
+    front &= points[:, 2] > np.median(points[on["teeth"], 2])
+    rows = on["teeth"] | on["gums"]
+    points[rows & ~lower, 1] += lip - row["upper"] - points[front & ~lower, 1].min()
+    points[rows & lower, 1] += lip - row["lower"] - points[front & lower, 1].max()
 
 
 def _colored(recipe: Json, colors: Mapping[str, str]) -> Json:
