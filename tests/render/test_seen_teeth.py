@@ -118,12 +118,13 @@ def test_rounded_consonants_of_the_shipped_head_look_rounded_from_the_front():
 
 
 @full
-def test_a_made_head_does_so_too(tmp_path):
+@pytest.mark.parametrize("seed", [None, 4, 8])
+def test_a_made_head_does_so_too(tmp_path, seed):
     reason = "the room of heads was removed"
     models = pytest.importorskip("lipsync_lang.plugins.heads.face_model", reason=reason)
     heads = pytest.importorskip("lipsync_lang.plugins.heads.made_head", reason=reason)
-    clone = models.FaceModel(write_clone(tmp_path / "clone", 0), models.read_recipe("ict"))
-    made = heads.make_head(clone, heads.HeadWish())
+    clone = models.FaceModel(write_clone(tmp_path / "clone", 40), models.read_recipe("ict"))
+    made = heads.make_head(clone, heads.HeadWish(seed=seed))
     path = tmp_path / "head.glb"
     path.write_bytes(made.content)
     assert faults(path) == []
