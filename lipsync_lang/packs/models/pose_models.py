@@ -256,8 +256,8 @@ class PoseSet(PackModel):
     mappings are joined by entry, lists replaced. Its own name means the one that it shadows."""
     renamed: dict[PoseName, PoseName] = Field(default={})
     """New names of poses of the parent, by its names."""
-    poses: dict[PoseName, Annotated[Pose, OrEmpty]] = Field(default={})
-    """Every pose, in the order of the curves; required of a pose set that extends no other."""
+    poses: dict[PoseName, Annotated[Pose, OrEmpty]] = Field(min_length=1)
+    """Every pose, in the order of the curves."""
     neutral: Text | None = None
     """The name of the face at rest, for programs in which every shape has a name."""
     constraints: Constraints = Constraints()
@@ -303,13 +303,6 @@ class PoseSet(PackModel):
     """Factor of solved mouths and the targets here: 1 for natural speech, more for a cartoon."""
     look: Annotated[float, Field(ge=0, le=10)] = 0.1
     """Firmness with which solved targets hold to those of this file, the look of a sound."""
-
-    @model_validator(mode="after")
-    def _has_poses(self) -> Self:
-        if not self.poses and self.extends is None:
-            hint = "add `poses: ...`: every pose, in the order of the curves"
-            raise PydanticCustomError("P102", "missing field `poses`", {"hint": hint})
-        return self
 
     def having(self, optional: Iterable[str]) -> Self:
         """Return the pose set with some of its optional poses among those of speech."""
