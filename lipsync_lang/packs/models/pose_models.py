@@ -162,8 +162,7 @@ class Intensity(Strict):
     emphasised: Annotated[float, Field(ge=1, le=2)] = 1.25
     """Scale for words with emphasis."""
     least: Unit = 0.6
-    """Scale for a sound much softer than others of its class, and for lines of a low level; 1
-    changes nothing."""
+    """Scale for a sound much softer than others of its class, and for lines of a low level."""
     most: Annotated[float, Field(ge=1, le=2)] = 1.4
     """Scale for a sound much louder than others of its class, and for lines of a high level."""
 
@@ -511,8 +510,7 @@ class LineEdits(SpokenEdits, Delivery):
     intensity: LevelNumber | None = None
     """The effect of loudness: 0 none, 1 as the pose set says, 2 double."""
     bends: dict[PoseName, BendKeys] = Field(default={})
-    """Keys that are added to poses: [word, amount] from -1 to 1, faded before the first key and
-    after the last."""
+    """Keys that are added to poses: [word, amount] from -1 to 1, faded before and after them."""
     placed: tuple[GestureByHand, ...] = ()
     """Gestures that a person placed; those of their kind that come by rule keep clear of them."""
     edits: tuple[Edit, ...] = ()
