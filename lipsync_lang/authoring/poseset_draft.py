@@ -26,6 +26,7 @@ from lipsync_lang.authoring.new_pack import (
 from lipsync_lang.base.errors import LipsyncError, PackError
 from lipsync_lang.base.grouping import grouped
 from lipsync_lang.faces.rigs.channel import bare
+from lipsync_lang.faces.rigs.face_on_model import FaceOnModel
 from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.faces.rigs.shape_matching import placed
 from lipsync_lang.packs import models
@@ -163,8 +164,10 @@ def _solved(made: models.PoseSet, path: Path | None, common: models.Phonemes) ->
     """Return a pose set whose targets are solved on a model."""
     if path is None:
         raise LipsyncError("targets are solved on a model; name it with --model")
-    face = solved_face(made, common.mouths(), read_model(path))
-    if face is None or not face.targets:
+    shown = FaceOnModel.of(made, read_model(path))
+    shown.refuse_shut()
+    face = solved_face(shown, common.mouths())
+    if face is None:
         what = "its mouth cannot be measured, so no target is solved on it; leave out --solve"
         raise LipsyncError(f"{path}: {what}")
     targets = {**made.targets, **made.looks, **face.targets}

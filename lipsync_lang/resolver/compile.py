@@ -486,8 +486,7 @@ def _tops(tables: Tables, rows: list[int]) -> Floats:
 
 def _report(shelf: PairPacks, rows: PairRows, shorts: Sequence[Fault]) -> Report:
     warnings = [*(f for f in shelf.library.faults if f.severity == "warning"), *shorts]
-    project, face = stated_mouth(shelf.library.project), shelf.solved
-    solved = bool(face and face.targets)
+    project, solved = stated_mouth(shelf.library.project), shelf.solved is not None
     idle = idle_mouths(shelf.character, shelf.poseset.model, project, solved=solved)
     origins = [row.origin for row in rows.counted]
     silence = shelf.common.model.silence
@@ -516,7 +515,7 @@ def _report(shelf: PairPacks, rows: PairRows, shorts: Sequence[Fault]) -> Report
         gaps=tuple("-".join(o.pair) for o in spoken if o.layer == "gap"),
         automatic=shelf.language.model.automatic,
         warnings=tuple(map(str, warnings)),
-        idle=(*map(str, idle), *(face.doubts if face else ())),
+        idle=(*map(str, idle), *shelf.doubts),
         styles={style: dict(sorted(count.items())) for style, count in drawn.items()},
         trigrams={"-".join(triple): row.origin.layer for triple, (row, _) in rows.halves.items()},
     )

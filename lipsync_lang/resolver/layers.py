@@ -1,6 +1,5 @@
 """The packs of one pair, and the bigrams of each of their layers."""
 
-import logging
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,7 +10,6 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats
-from lipsync_lang.base.errors import ModelError
 from lipsync_lang.packs import models
 from lipsync_lang.packs.banks.draft import PASSIVE, TIMES, Target, draft
 from lipsync_lang.packs.checking import pack_checks as checks
@@ -25,10 +23,8 @@ from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.tables import Contact
 from lipsync_lang.resolver.compiled import Origin, Pair, Triple
 from lipsync_lang.resolver.pose_arrays import thresholds
-from lipsync_lang.resolver.rigging import OtherModel, model_file, plain_rig
+from lipsync_lang.resolver.rigging import OtherModel, face_on_model, model_file
 from lipsync_lang.resolver.solving import SolvedFace, farther, solved_face
-
-_log = logging.getLogger(__name__)
 
 NEUTRAL = "neutral"
 """The style of a bank that names none."""
@@ -95,6 +91,8 @@ class PairPacks:
     library: Library
     solved: SolvedFace | None = None
     """Targets that were solved on the model; None for a face whose targets are declared."""
+    doubts: tuple[str, ...] = ()
+    """Descriptions of shapes of the model that do not do what their names say."""
 
     @classmethod
     def open(
@@ -133,36 +131,28 @@ class PairPacks:
         shelf.refuse_faults()
         poseset = shelf.poseset.model.having((*who.model.has, *has))
         shelf = replace(shelf, poseset=replace(shelf.poseset, model=poseset))
-        return replace(shelf, solved=shelf.solve(on))
+        return shelf.with_model(on)
 
-    def solve(self, on: OtherModel | None = None) -> SolvedFace | None:
-        """Solve the targets on the character's model, or on another; None if they are declared.
+    def with_model(self, on: OtherModel | None = None) -> Self:
+        """Return these packs with targets solved on the character's model, or on another.
 
         The targets of a pose set were made for its own model. Raises `ModelError` if no pose opens
-        the mouth of the model, or if another model is unreadable.
+        the mouth of another one, unless declared targets are asked for.
         """
-        # only a model needs the room of rigs
-        from lipsync_lang.faces.rigs.model import known_model
-
-        who, face = self.character.model, self.poseset.model
-        named = on.path if on else model_file(self.character, self.poseset)
-        own = None if on else model_file(self.poseset)
-        if named in {None, own}:
-            return None
-        if (who.mouth or stated_mouth(self.library.project) or face.mouth) == "declared":
-            return None
-        path, rig = Path(str(named)), on.rig if on else who.rig
-        self.library.note_model(path)
-        plain = plain_rig(self.library, rig, self.poseset) if rig is not None else None
-        try:
-            model = known_model(path)
-        except ModelError as error:
-            if on:
-                raise
-            _log.info("%s keeps the targets of its pose set: %s", who.name, error)
-            return None
-        face = face.model_copy(update={"reach": who.reach or face.reach})
-        return solved_face(face, self.mouths | who.mouths, model, plain, self.likes)
+        who = self.character.model
+        shown = face_on_model(self.library, self.character, self.poseset, on)
+        if shown is None:
+            return self
+        made = replace(self, doubts=shown.doubts)
+        asked = who.mouth or stated_mouth(self.library.project)
+        if asked == "declared" or (not on and str(shown.model.path) == model_file(self.poseset)):
+            return made
+        shown.refuse_shut()
+        if (asked or shown.poseset.mouth) == "declared":
+            return made
+        face = shown.poseset.model_copy(update={"reach": who.reach or shown.poseset.reach})
+        solved = solved_face(replace(shown, poseset=face), self.mouths | who.mouths, self.likes)
+        return replace(made, solved=solved, doubts=(*shown.doubts, *shown.unsolved))
 
     def refuse_faults(self) -> None:
         """Raise an error with every fault that prevents a performance of these packs.

@@ -13,6 +13,7 @@ from lipsync_lang.packs.finding import beside
 from lipsync_lang.packs.models.rig_models import plain_channels
 
 if TYPE_CHECKING:
+    from lipsync_lang.faces.rigs.face_on_model import FaceOnModel
     from lipsync_lang.faces.rigs.recognise import Match
     from lipsync_lang.packs import models
     from lipsync_lang.packs.library import Library
@@ -55,6 +56,31 @@ def model_file(*packs: "Pack[Any]") -> str | None:
     """Return the model file that the first of some packs names: of a character, or its pose set."""
     named = (beside(pack.path, pack.model.model) for pack in packs if pack.model.model is not None)
     return next((str(path.resolve()) for path in named if path is not None), None)
+
+
+def face_on_model(
+    library: "Library", character: "Pack[Any]", poseset: "Pack[Any]", on: OtherModel | None = None
+) -> "FaceOnModel | None":
+    """Put a pose set on the model of a character; None without a readable one.
+
+    Raises `ModelError` if the model in its place is unreadable.
+    """
+    # only a model needs the room of rigs
+    from lipsync_lang.faces.rigs.face_on_model import FaceOnModel
+    from lipsync_lang.faces.rigs.model import known_model
+
+    named = on.path if on else model_file(character, poseset)
+    if named is None:
+        return None
+    path, rig = Path(named), on.rig if on else character.model.rig
+    library.note_model(path)
+    plain = plain_rig(library, rig, poseset) if rig is not None else None
+    try:
+        return FaceOnModel.of(poseset.model, known_model(path), plain)
+    except ModelError:
+        if on:
+            raise
+        return None
 
 
 def best_match(library: "Library", path: Path) -> "tuple[Match, OtherModel]":

@@ -12,20 +12,16 @@ Poses of contacts, and those that move no measure, such as the tongue's, keep th
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints
-from lipsync_lang.base.errors import ModelError
-from lipsync_lang.faces.rigs.channel import bare
-from lipsync_lang.faces.rigs.read_outs import LEAST_MOUTH, measured, unmeasured
 from lipsync_lang.packs import models
 from lipsync_lang.packs.models import PhonemeTarget
-from lipsync_lang.packs.models.rig_models import pose_names
 
 if TYPE_CHECKING:
-    from lipsync_lang.faces.rigs.model import Model
+    from lipsync_lang.faces.rigs.face_on_model import FaceOnModel
 
 FIRMNESS = np.array([1.3, 2.0, 0.5, 0.8])
 """Weight of an error of each measure that a sound states."""
@@ -74,8 +70,6 @@ class SolvedFace:
     """(steps, 4) measures of the mouths, by phoneme; NaN for one that is left open."""
     reached: Mapping[str, Floats] = field(default_factory=dict)
     """(steps, 4) measures of the targets, by phoneme."""
-    doubts: tuple[str, ...] = ()
-    """Descriptions of shapes that do not do what their names say."""
 
     def told(self, phoneme: str) -> str:
         """Return where a target was solved, with the measures that miss what was asked by far."""
@@ -89,53 +83,27 @@ class SolvedFace:
 
 
 def solved_face(
-    poseset: models.PoseSet,
+    shown: "FaceOnModel",
     mouths: Mapping[str, Sequence[models.SoundMouth]],
-    model: "Model",
-    rig: Mapping[str, Any] | None = None,
     likes: Mapping[str, str] | None = None,
 ) -> SolvedFace | None:
-    """Solve the targets of a pose set on a model; without any if nothing is measured.
+    """Solve the targets of a pose set on a model; None if its mouth is not measured.
 
     Parameters
     ----------
+    shown : the pose set on the model, of which a pose opens the mouth
     mouths : the mouths of sounds in running speech, by phoneme
-    rig : the rig that drives it, as plain data; None if its shapes are the poses
     likes : phonemes that a language adds, each with one whose target is its look
-
-    Raises
-    ------
-    ModelError
-        None of the poses opens the mouth of the model.
 
     Examples
     --------
-    >>> library = Library()
-    >>> poseset, mouths = library.poseset("arkit").model, library.common().model.mouths()
-    >>> face = solved_face(poseset, mouths, read_model(Path("head.glb")))  # doctest: +SKIP
-    >>> face.targets["aa"][0].weights  # doctest: +SKIP
+    >>> shown = FaceOnModel.of(poseset, known_model(path))  # doctest: +SKIP
+    >>> solved_face(shown, mouths).targets["aa"][0].weights  # doctest: +SKIP
     {'jawOpen': 0.31, 'mouthClose': 0.0}
     """
-    from lipsync_lang.faces.rigs.recognise import doubts_of, find, openers
-
-    gains = pose_gains(poseset, model, rig)
+    poseset, gains, model = shown.poseset, shown.gains, shown.model
     if gains is None:
-        found = find(bare((*poseset.poses,), pose_names(poseset)), model)
-        if not rig and found.doubts and not openers(poseset.measures) & found.places.keys():
-            raise ModelError(
-                f"{model.path}: no shape opens the mouth: {'; '.join(found.doubts)}. Sculpt these, "
-                "or keep the declared targets with `mouth: declared` in a character"
-            )
-        why = f"{model.path}: {unmeasured(model)}, so its targets stay as declared"
-        return SolvedFace(model.path, doubts=(why,)) if not measured(model) else None
-    if (most := gains[0].max(initial=0.0)) < LEAST_MOUTH:
-        widest, seen = max(measured(model).items(), key=lambda one: one[1].aperture)
-        raise ModelError(
-            f"{model.path}: no shape of it that is a pose of {poseset.name} opens the mouth: the "
-            f"widest parts the lips by {most:.3f} of its width, and the widest of all, {widest}, "
-            f"by {seen.aperture:.3f}. Make those that open it poses with `lipsync-lang posesets "
-            "new`, or keep the declared targets with `mouth: declared` in a character"
-        )
+        return None
     looks = {**poseset.targets, **poseset.looks}
     face = _FaceToSolve.of(poseset, gains)
     like = {**(likes or {}), **{name: name for name in looks}}
@@ -149,8 +117,7 @@ def solved_face(
         for name, rows in asked.items()
     }
     reached = {n: np.array([gains @ face.weights(one) for one in targets[n]]) for n in targets}
-    doubts = tuple(f"{model.path}: {doubt}" for doubt in (() if rig else doubts_of(poseset, model)))
-    return SolvedFace(model.path, targets, asked, reached, doubts)
+    return SolvedFace(model.path, targets, asked, reached)
 
 
 def asked_measures(mouth: Sequence[models.SoundMouth], steps: int, reach: float) -> Floats:
@@ -186,25 +153,6 @@ def farther(
         every = own + own[-1:] * len(steps)
         found[name] = tuple(moved(*one) for one in zip(steps, every, strict=False))
     return found
-
-
-def pose_gains(
-    poseset: models.PoseSet, model: "Model", rig: Mapping[str, Any] | None = None
-) -> Floats | None:
-    """Return what each pose does to the measures of the mouth at full weight: (4, P).
-
-    Limits of a rig's channels are left out. None for a model that moves bones, that is too large to
-    be measured, or on which no shape opens a mouth.
-    """
-    from lipsync_lang.faces.rigs.driver import Driver
-    from lipsync_lang.faces.rigs.recognise import mouth_gains
-
-    poses = (*poseset.poses,)
-    if rig is None:
-        return mouth_gains(bare(poses, pose_names(poseset)), model)
-    driver = Driver.from_plain(rig, poses, np.zeros(len(poses)))
-    found = mouth_gains(driver.channels, model)
-    return None if found is None else found @ driver.rig.gains
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,9 @@ from packs_tree import plant
 from shipped import LIBRARY, POSESETS
 from small_models import glb
 
+from lipsync_lang.faces.rigs.face_on_model import find
 from lipsync_lang.faces.rigs.model import read_model
-from lipsync_lang.faces.rigs.recognise import find, recognise
+from lipsync_lang.faces.rigs.recognise import recognise
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.rig_models import channels_of
 from lipsync_lang.performing.resolving import resolve

@@ -13,13 +13,13 @@ from small_models import glb
 from lipsync_lang.authoring.poseset_draft import MAX_SCREEN_LINES, PoseSetWish, draft, guessed
 from lipsync_lang.base.errors import LipsyncError, PackError
 from lipsync_lang.faces.rigs.channel import bare
+from lipsync_lang.faces.rigs.face_on_model import FaceOnModel
 from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.faces.rigs.shape_matching import placed
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Pose, PoseSet
 from lipsync_lang.packs.models.rig_models import pose_names
-from lipsync_lang.resolver.solving import pose_gains
 
 
 def new(cli, *arguments):
@@ -111,7 +111,7 @@ def test_targets_may_be_solved_on_the_model(folder, cli):
     assert declared.targets["l"][0].weights["tongueUp"] == 1, "an optional pose"
     said, model = new(cli, "thing", "--model", "head.glb", "--solve")
     assert "with the targets of arkit, solved on the model" in said
-    gains = pose_gains(model, read_model(folder / "head.glb"))[0]
+    gains = FaceOnModel.of(model, read_model(folder / "head.glb")).gains[0]
     for name in ("aa", "eh", "kg"):
         (weights,) = (step.weights for step in model.targets[name])
         opens = gains @ [weights.get(pose, 0) for pose in model.poses]
@@ -163,7 +163,7 @@ def test_looks_are_solved_on_a_head_and_the_second_run_gives_the_same(folder, cl
     assert cli("validate", "posesets/own").code == 0
     made = Library().poseset("own").model
     (aa,), (look,) = made.targets["aa"], made.looks["aa"]
-    gains = pose_gains(made, read_model(folder / "head.glb"))[0]
+    gains = FaceOnModel.of(made, read_model(folder / "head.glb")).gains[0]
     opens, drawn = (gains @ [one.weights.get(pose, 0) for pose in made.poses] for one in (aa, look))
     wanted = Library(project=None).common().model.phonemes["aa"].mouth[0].aperture
     assert abs(opens - wanted) < abs(drawn - wanted) / 2

@@ -38,8 +38,8 @@ from lipsync_lang.faces.rigs.container import (
     read_chunk,
     write_container,
 )
+from lipsync_lang.faces.rigs.face_on_model import find
 from lipsync_lang.faces.rigs.model import Model, known_model, movable_nodes, numbers, some
-from lipsync_lang.faces.rigs.read_outs import still_shapes
 from lipsync_lang.faces.rigs.shape_matching import on_mesh
 from lipsync_lang.faces.rigs.transforms import parts, product, turns
 
@@ -54,13 +54,9 @@ def unplaced(animation: Animation) -> Iterator[str]:
         return
     channels = animation.columns
     model = _model(animation.model, channels)
-    placed = [on_mesh(channels, mesh) for mesh in model.meshes]
-    shown = {number for one in placed for number in one.shapes}
-    lost = [
-        number
-        for number, channel in enumerate(channels)
-        if number not in shown and channel.node not in model.nodes
-    ]
+    found = find(channels, model)
+    known = found.places.keys() | found.still
+    lost = [number for number, channel in enumerate(channels) if channel.name not in known]
     if np.any(animation.weights[:, lost]):  # all are named, so that a build says it once
         names = dict.fromkeys(channels[number].node or channels[number].name for number in lost)
         yield f"{model.path} has nothing for {some(names)}"
@@ -69,18 +65,7 @@ def unplaced(animation: Animation) -> Iterator[str]:
                 f"{model.path}: a turn of {some(sorted(torn))} would leave other meshes behind, "
                 "such as eyes and teeth; make them its children, and export the model again"
             )
-    still = still_shapes(model)
-    dead = {
-        shape: None
-        for one in placed
-        for number, shapes in one.shapes.items()
-        if animation.weights[:, number].any()
-        for shape in shapes
-        if shape in still
-    }
-    if dead:
-        yield f"{model.path}: on the mesh, nothing moves with {some(dead)}"
-    yield from (f"{model.path}: {doubt}" for one in placed for doubt in one.doubts)
+    yield from (f"{model.path}: {doubt}" for doubt in found.doubts)
 
 
 def animated_model(animation: Animation) -> Model:

@@ -7,7 +7,7 @@ If few shapes part them there, these are lids, for example, and other shapes are
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from statistics import median
@@ -79,10 +79,6 @@ class ShapeReadOut:
     """Farthest way of a point of the tongue to the front, past that of jaw and lips."""
     tongue_up: float
     """Farthest way of a point of the tongue upwards, past that of the lips."""
-
-    def to_dict(self) -> dict[str, float]:
-        """Convert to plain data, rounded to a thousandth."""
-        return {name: round(value, 3) for name, value in asdict(self).items()}
 
 
 SOUND_MEASURES = ("aperture", "width", "protrusion", "jaw")

@@ -6,25 +6,21 @@ channel's span, so that degrees and weights are comparable. Negative gains from 
 effect. Limits between channels are ignored. Of two poses that look alike, the one with the larger
 effect counts as shown and the other as lost.
 
-Names may promise what a mesh does not keep. Shapes that move no point are left out, and a pose set
-that opens the mouth comes before all that hardly do.
+A pose set that opens the mouth on the mesh comes before all that hardly do.
 """
 
-from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import PackError
 from lipsync_lang.base.presentation.text_table import columns
-from lipsync_lang.faces.rigs.channel import Channel, bare
 from lipsync_lang.faces.rigs.driver import Driver
-from lipsync_lang.faces.rigs.model import Model, some
-from lipsync_lang.faces.rigs.read_outs import LEAST_MOUTH, SOUND_MEASURES, measured, still_shapes
-from lipsync_lang.faces.rigs.shape_matching import on_mesh
+from lipsync_lang.faces.rigs.face_on_model import ChannelPlaces, FaceOnModel
+from lipsync_lang.faces.rigs.model import Model
+from lipsync_lang.faces.rigs.read_outs import measured, still_shapes
 
 if TYPE_CHECKING:  # workers measure mouths without the models of packs
     from lipsync_lang.packs import models
@@ -111,20 +107,6 @@ def loss_table(found: Sequence[Loss]) -> str:
     rows = [("pose", "shown", "lost", "why")]
     rows += [(loss.pose, f"{loss.shown:.2f}", loss.what or "-", loss.why) for loss in found]
     return "\n".join(columns(rows, widest=MAX_CELL_CHARS))
-
-
-@dataclass(frozen=True, eq=False)
-class ChannelPlaces:
-    """Positions of channels on a model."""
-
-    places: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    """Found channel -> its shapes, over all meshes, or its bone."""
-    shared: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    """Shape without a side -> the left and right channels that share it."""
-    doubts: tuple[str, ...] = ()
-    """Descriptions of ambiguous matches."""
-    bound: dict[str, dict[str, float]] = field(default_factory=dict)
-    """Found channel -> the weights of its shapes, where an expression of an avatar binds them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,69 +197,18 @@ def recognise(library: "Library", model: Model) -> tuple[Match, ...]:
     return tuple(sorted(found, key=lambda match: match.rank))
 
 
-def find(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
-    """Find channels among the shapes of all meshes that move, and among the bones."""
-    places: dict[str, dict[str, None]] = {}
-    shared: dict[str, tuple[str, ...]] = {}
-    doubts: dict[str, None] = {}
-    bound: dict[str, dict[str, float]] = defaultdict(dict)
-    for mesh in model.meshes:
-        on = on_mesh(tuple(channels), mesh)
-        for number, weights in on.bound.items():
-            bound[channels[number].name].update(weights)
-        for number, shapes in on.shapes.items():
-            places.setdefault(channels[number].name, {}).update(dict.fromkeys(shapes))
-        for shape, numbers in on.shared.items():
-            shared[shape] = tuple(channels[number].name for number in numbers)
-        doubts.update(dict.fromkeys(on.doubts))
-    still = still_shapes(model)
-    lost = {name: shapes for name, shapes in places.items() if shapes.keys() <= still}
-    if lost:
-        dead = [shape for shapes in lost.values() for shape in shapes]
-        doubts[f"on the mesh, nothing moves with {some(dead)}"] = None
-    # If every shape is still, the mesh tells nothing, and the names count.
-    if len(still) < len(model.shape_names):
-        places = {name: shapes for name, shapes in places.items() if name not in lost}
-    for channel in channels:
-        if channel.node in model.nodes:
-            places[channel.name] = {str(channel.node): None}
-    found = {name: (*own,) for name, own in places.items()}
-    return ChannelPlaces(found, shared, (*doubts,), bound)
-
-
-def mouth_gains(channels: Sequence[Channel], model: Model) -> Floats | None:
-    """Return what each channel does to the measures of the mouth at full weight: (4, C).
-
-    None for channels of bones, and for a model that is too large to be measured, or on which no
-    shape opens a mouth.
-    """
-    moved, bones = measured(model), any(channel.node is not None for channel in channels)
-    if not moved or bones:
-        return None
-    found = find(channels, model)
-    gains = np.zeros((len(SOUND_MEASURES), len(channels)))
-    for number, channel in enumerate(channels):
-        weights = found.bound.get(channel.name, {})
-        for shape in found.places.get(channel.name, ()):
-            if shape in moved:
-                does = [getattr(moved[shape], name) for name in SOUND_MEASURES]
-                gains[:, number] += weights.get(shape, 1.0) * np.array(does)
-    return gains
-
-
 def _matches(library: "Library", poseset: "models.PoseSet", model: Model) -> Iterator[Match]:
     """Yield non-empty matches: the pose set alone, and each of its valid rigs."""
     from lipsync_lang.packs.checking.rig_checks import check_rig
-    from lipsync_lang.packs.models.rig_models import channels_of, plain_channels, pose_names
+    from lipsync_lang.packs.models.rig_models import channels_of, plain_channels
 
     poses, every = (*poseset.poses,), poseset.having(poseset.optional_poses)
-    found = _played(bare((*every.poses,), pose_names(every)), model)
-    wide = openers(poseset.measures)
+    face = FaceOnModel.of(every, model)
+    found = _played(face)
     if found.places:
         optional = tuple(name for name in poseset.optional_poses if name in found.places)
         lost = tuple(Loss(pose, 0, None, "") for pose in poses if pose not in found.places)
-        missing = tuple(loss.pose for loss in lost)
-        opens = _opens(model, found, wide)
+        missing, opens = tuple(loss.pose for loss in lost), _opens(face, found)
         left, shown = _left(model, found), (*poses, *optional)
         yield Match(poseset.name, None, shown, found, missing, left, lost, opens, optional)
     known = {found.name for found in library.names("poseset")}
@@ -289,61 +220,34 @@ def _matches(library: "Library", poseset: "models.PoseSet", model: Model) -> Ite
             continue
         if any(fault.severity == "fault" for fault in check_rig(rig, poseset, known, to)):
             continue
-        plain = {"channels": plain_channels(rig.model, to)}
-        driver = Driver.from_plain(plain, poses, np.zeros(len(poses)))
-        channels, found = driver.channels, _played(driver.channels, model)
-        moved = np.abs(driver.rig.gains[:, [pose in wide for pose in poses]]).max(axis=1, initial=0)
-        most = [one.name for one, way in zip(channels, moved, strict=True) if 0 < way == max(moved)]
+        face = FaceOnModel.of(poseset, model, {"channels": plain_channels(rig.model, to)})
+        found = _played(face)
         if found.places:
             held = {n: one for n, one in channels_of(rig.model).items() if n in found.places}
             for name, one in held.items():
                 # A channel that the model lacks cannot limit another.
                 if one.at_most not in held:
                     held[name] = one.model_copy(update={"at_most": None})
-            missing = tuple(one.name for one in channels if one.name not in found.places)
+            missing = tuple(one.name for one in face.channels if one.name not in found.places)
             kept = replace(rig, model=rig.model.model_copy(update={"channels": held}))
-            left, lost = _left(model, found), losses(library, kept)
-            opens = _opens(model, found, most)
+            left, lost, opens = _left(model, found), losses(library, kept), _opens(face, found)
             yield Match(poseset.name, rig.model.name, poses, found, missing, left, lost, opens)
 
 
-def _played(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
+def _played(face: FaceOnModel) -> ChannelPlaces:
     """Find channels; on an avatar whose expressions open its mouth, those that players move."""
-    found, moved = find(channels, model), measured(model)
-    bound = {shape for mesh in model.meshes for _, shape, _ in mesh.binds}
+    found, moved = face.found, measured(face.model)
+    bound = {shape for mesh in face.model.meshes for _, shape, _ in mesh.binds}
     if any(moved[shape].aperture > 0 for shape in bound & moved.keys()):
         own = {name: shapes for name, shapes in found.places.items() if name in found.bound}
         return replace(found, places=own)
     return found
 
 
-def openers(measures: Mapping[str, Mapping[str, float]]) -> frozenset[str]:
-    """Return the poses that open the mouth farthest by the read-outs of a pose set."""
-    stated = measures.get("aperture", {})
-    return frozenset(one for one, gain in stated.items() if 0 < gain == max(stated.values()))
-
-
-def doubts_of(poseset: "models.PoseSet", model: Model) -> Iterator[str]:
-    """Describe doubtful matches, dead shapes, and a widest pose that hardly opens the mouth."""
-    from lipsync_lang.packs.models.rig_models import pose_names
-
-    found = find(bare((*poseset.poses,), pose_names(poseset)), model)
-    yield from found.doubts
-    moved, wide = measured(model), openers(poseset.measures)
-    widest = max(moved, key=lambda name: moved[name].aperture, default="")
-    own = [shape for pose in wide for shape in found.places.get(pose, ()) if shape in moved]
-    most = max((moved[shape].aperture for shape in own), default=LEAST_MOUTH)
-    if most < LEAST_MOUTH <= moved[widest].aperture:
-        yield (
-            f"on the mesh, {some(own)} hardly opens the mouth, but {widest} parts the lips by "
-            f"{moved[widest].aperture:.2f} of its width: check the names of the shapes"
-        )
-
-
-def _opens(model: Model, found: ChannelPlaces, wide: Collection[str]) -> bool:
-    """Test for a shape of `wide` poses, or any, that opens the mouth; bones are not measured."""
-    moved = measured(model)
-    places = {name: own for name, own in found.places.items() if not wide or name in wide}
+def _opens(face: FaceOnModel, found: ChannelPlaces) -> bool:
+    """Test for a shape of the widest pose, or any, that opens the mouth; bones are not measured."""
+    moved = measured(face.model)
+    places = {name: own for name, own in found.places.items() if not face.wide or name in face.wide}
     own = {shape for shapes in places.values() for shape in shapes}
     widest = max((one.aperture for one in moved.values()), default=0.0)
     if widest <= 0 or not own <= moved.keys():

@@ -8,6 +8,7 @@ import numpy as np
 
 from lipsync_lang import LipsyncError, ModelError
 from lipsync_lang.base.arrays import Bools, Floats
+from lipsync_lang.faces.rigs.face_on_model import FaceOnModel
 from lipsync_lang.faces.rigs.model import known_model
 from lipsync_lang.faces.rigs.read_outs import LEAST_MOUTH, unmeasured
 from lipsync_lang.packs.finding import is_model
@@ -15,7 +16,7 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import PoseSet
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.resolver.rigging import best_match, model_file, plain_rig
-from lipsync_lang.resolver.solving import MOST_SHAPE, OPENING_SHARE, STILL_GAIN, pose_gains
+from lipsync_lang.resolver.solving import MOST_SHAPE, OPENING_SHARE, STILL_GAIN
 
 SEEN_MEASURES = ("aperture", "width", "protrusion")
 """Measures of a mouth that a viewer sees, in widths of the closed mouth."""
@@ -60,7 +61,7 @@ class MeasuredFace:
             poseset, reach = pack.model.having(who.model.has), who.model.reach or pack.model.reach
             poseset, model = who.model.own_face(poseset), Path(path)
         plain = plain_rig(library, rig, pack) if rig is not None else None
-        gains = pose_gains(poseset, known_model(model), plain)
+        gains = FaceOnModel.of(poseset, known_model(model), plain).gains
         if gains is None:
             why = unmeasured(known_model(model)) or "it is moved by bones"
             raise ModelError(f"{model}: its mouth cannot be measured: {why}")

@@ -219,8 +219,9 @@ def _posed(performer: "Performer") -> Face:
 
 def _on_mesh(performer: "Performer", names: tuple[str, ...]) -> tuple[SeenMouth | None, Bools]:
     """Return the mouth on the model, and True for poses, or channels, that move it: (C,)."""
+    from lipsync_lang.faces.rigs.face_on_model import find, mouth_gains
     from lipsync_lang.faces.rigs.model import known_model
-    from lipsync_lang.faces.rigs.recognise import MIN_SHOWN_SHARE, find, mouth_gains
+    from lipsync_lang.faces.rigs.recognise import MIN_SHOWN_SHARE
     from lipsync_lang.faces.rigs.shape_matching import on_mesh
 
     unknown = None, np.ones(len(names), bool)

@@ -15,8 +15,9 @@ from lipsync_lang.base.errors import LipsyncError, ModelError
 from lipsync_lang.base.files import write_all
 from lipsync_lang.base.files.writing import replace_file
 from lipsync_lang.base.json_object import Json
+from lipsync_lang.faces.rigs.face_on_model import find
 from lipsync_lang.faces.rigs.model import Model, read_model
-from lipsync_lang.faces.rigs.recognise import Match, find, recognise
+from lipsync_lang.faces.rigs.recognise import Match, recognise
 from lipsync_lang.packs.finding import FOLDERS, WHOLE_MODELS
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.trace import VISIBLE

@@ -142,3 +142,84 @@ def test_a_head_whose_shapes_move_no_point_is_refused_with_that_reason(tmp_path)
         ll.ModelError, match=r"no pose set knows its shapes \(mine\); no point .*jaw"
     ):
         ll.resolve("english", path)
+
+
+FACES = {
+    "poseset: facefx\nrig: facefx-to-arkit\n": "mouthFunnel, tongueOut",
+    "poseset: arkit\nmouth: declared\n": "mouthFunnel, tongueOut",
+    "poseset: arkit\nrig: bony\n": "mouthFunnel",
+    "poseset: hand-made\n": "mouthFunnel",
+}
+"""Characters whose targets are declared, or that a rig drives, and their dead shapes by name."""
+
+HAND_MADE = """\
+kind: poseset
+format: 1
+name: hand-made
+poses: {jawOpen: {}, mouthFunnel: {}}
+targets: {aa: {jawOpen: 0.6}, bmp: {}, w: {mouthFunnel: 0.5}}
+measures: {aperture: {jawOpen: 1}}
+"""
+
+BONY = """\
+kind: rig
+format: 1
+name: bony
+poseset: arkit
+channels:
+  jaw: {node: Armature, rotation: [1, 0, 0], gains: {jawOpen: 10}}
+  mouthFunnel: {gains: {mouthFunnel: 1}}
+"""
+
+
+@pytest.fixture
+def anna(tmp_path, monkeypatch):
+    """Write a character of some fields, on a head of which some shapes are dead."""
+    monkeypatch.chdir(tmp_path)
+    for file, text in (("hand-made/poseset", HAND_MADE), ("arkit/rigs/bony", BONY)):
+        path = tmp_path / "posesets" / f"{file}.yaml"
+        path.parent.mkdir(parents=True)
+        path.write_text(text)
+    (tmp_path / "characters").mkdir()
+    (tmp_path / "line.tsv").write_text("0\t0.2\tM\n0.2\t0.4\tAA\n0.4\t0.6\tW\n")
+
+    def write(fields, *dead, shapes=(*ARKIT, "viseme_aa")):
+        text = f"kind: character\nformat: 1\nname: anna\n{fields}model: head.glb\n"
+        (tmp_path / "characters" / "anna.yaml").write_text(text)
+        return face(tmp_path / "characters" / "head.glb", *shapes, dead=dead)
+
+    return write
+
+
+@pytest.mark.parametrize("fields", FACES)
+def test_dead_shapes_are_named_once_by_every_command_on_every_kind_of_face(cli, anna, fields):
+    path = anna(fields, "mouthFunnel", "tongueOut")
+    told = f"{path}: on the mesh, nothing moves with {FACES[fields]}\n"
+    line = ("-l", "english", "-c", "anna", "--schedule", "line.tsv")
+    for command in (
+        ("run", *line, "-o", "line.csv"), ("run", *line, "-o", "line.glb"), ("check", *line),
+        ("explain", *line, "--at", "0.3"),
+    ):  # fmt: skip
+        ended = cli(*command)
+        assert (ended.err.count("nothing moves"), told in ended.err) == (1, True), (command, ended)
+    anna(fields)
+    assert "nothing moves" not in cli("run", *line, "-o", "line.glb").err
+
+
+@pytest.mark.parametrize("fields", FACES)
+@pytest.mark.parametrize("shapes", [ARKIT, (*ARKIT, "viseme_aa")])
+def test_a_head_that_no_pose_opens_is_refused_on_every_kind_of_face(
+    cli, tmp_path, anna, fields, shapes
+):
+    path = anna(fields, "jawOpen", shapes=shapes)
+    line = ("run", "-l", "english", "-c", "anna", "--schedule", "line.tsv", "-o", "line.csv")
+    ended = cli(*line)
+    # A jaw may be a bone, and declared targets may be asked for.
+    opens = "bony" in fields or "declared" in fields
+    assert ended.code == (0 if opens else 2), ended
+    assert (tmp_path / "line.csv").exists() == opens
+    if not opens:
+        assert f"{path}: no shape" in ended.err
+        assert "`mouth: declared` in a character" in ended.err
+        anna(f"{fields}mouth: declared\n", "jawOpen", shapes=shapes)
+        assert cli(*line).code == 0

@@ -1,0 +1,178 @@
+"""A pose set on a model: the places of its channels, and what its poses do to the mouth.
+
+Names may promise what a mesh does not keep. Shapes that move no point are left out. A shape is
+judged by what it does, beside the `measures` of the pose set.
+"""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+
+from lipsync_lang.base.arrays import Floats
+from lipsync_lang.base.errors import ModelError
+from lipsync_lang.faces.rigs.channel import Channel, bare
+from lipsync_lang.faces.rigs.driver import Driver
+from lipsync_lang.faces.rigs.model import Model, some
+from lipsync_lang.faces.rigs.read_outs import (
+    LEAST_MOUTH,
+    SOUND_MEASURES,
+    measured,
+    still_shapes,
+    unmeasured,
+)
+from lipsync_lang.faces.rigs.shape_matching import on_mesh
+
+if TYPE_CHECKING:  # workers measure mouths without the models of packs
+    from lipsync_lang.packs import models
+
+
+@dataclass(frozen=True, eq=False)
+class ChannelPlaces:
+    """Positions of channels on a model."""
+
+    places: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    """Found channel -> its shapes, over all meshes, or its bone."""
+    shared: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    """Shape without a side -> the left and right channels that share it."""
+    doubts: tuple[str, ...] = ()
+    """Descriptions of ambiguous matches, and of shapes that move no point."""
+    still: frozenset[str] = frozenset()
+    """Channels whose shapes move no point, on a model of which others do."""
+    bound: dict[str, dict[str, float]] = field(default_factory=dict)
+    """Found channel -> the weights of its shapes, where an expression of an avatar binds them."""
+
+
+def find(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
+    """Find channels among the shapes of all meshes that move, and among the bones."""
+    places: dict[str, dict[str, None]] = {}
+    shared: dict[str, tuple[str, ...]] = {}
+    doubts: dict[str, None] = {}
+    bound: dict[str, dict[str, float]] = defaultdict(dict)
+    for mesh in model.meshes:
+        on = on_mesh(tuple(channels), mesh)
+        for number, weights in on.bound.items():
+            bound[channels[number].name].update(weights)
+        for number, shapes in on.shapes.items():
+            places.setdefault(channels[number].name, {}).update(dict.fromkeys(shapes))
+        for shape, numbers in on.shared.items():
+            shared[shape] = tuple(channels[number].name for number in numbers)
+        doubts.update(dict.fromkeys(on.doubts))
+    still = still_shapes(model)
+    lost = {name: shapes for name, shapes in places.items() if shapes.keys() <= still}
+    if lost:
+        shapes = [shape for own in lost.values() for shape in own]
+        doubts[f"on the mesh, nothing moves with {some(shapes)}"] = None
+    # If every shape is still, the mesh tells nothing, and the names count.
+    dead = frozenset(lost if len(still) < len(model.shape_names) else ())
+    places = {name: shapes for name, shapes in places.items() if name not in dead}
+    for channel in channels:
+        if channel.node in model.nodes:
+            places[channel.name] = {str(channel.node): None}
+    found = {name: (*own,) for name, own in places.items()}
+    return ChannelPlaces(found, shared, (*doubts,), dead, bound)
+
+
+def mouth_gains(channels: Sequence[Channel], model: Model) -> Floats | None:
+    """Return what each channel does to the measures of the mouth at full weight: (4, C).
+
+    None for channels of bones, and for a model that is too large to be measured, or on which no
+    shape opens a mouth.
+    """
+    moved, bones = measured(model), any(channel.node is not None for channel in channels)
+    if not moved or bones:
+        return None
+    found = find(channels, model)
+    gains = np.zeros((len(SOUND_MEASURES), len(channels)))
+    for number, channel in enumerate(channels):
+        weights = found.bound.get(channel.name, {})
+        for shape in found.places.get(channel.name, ()):
+            if shape in moved:
+                does = [getattr(moved[shape], name) for name in SOUND_MEASURES]
+                gains[:, number] += weights.get(shape, 1.0) * np.array(does)
+    return gains
+
+
+@dataclass(frozen=True, eq=False)
+class FaceOnModel:
+    """A pose set on a model, with or without a rig between them."""
+
+    poseset: "models.PoseSet"
+    model: Model
+    channels: tuple[Channel, ...]
+    driven: Floats
+    """(C, P) what each pose adds to each channel at full weight."""
+
+    @classmethod
+    def of(cls, poseset: "models.PoseSet", model: Model, rig: Any = None) -> Self:
+        """Put a pose set on a model; `rig` is plain data, None if its shapes are the poses."""
+        from lipsync_lang.packs.models.rig_models import pose_names
+
+        poses = (*poseset.poses,)
+        if rig is None:
+            channels = bare(poses, pose_names(poseset))
+            return cls(poseset, model, channels, np.eye(len(poses)))
+        driver = Driver.from_plain(rig, poses, np.zeros(len(poses)))
+        return cls(poseset, model, driver.channels, driver.rig.gains)
+
+    @cached_property
+    def found(self) -> ChannelPlaces:
+        """The channels on the model."""
+        return find(self.channels, self.model)
+
+    @cached_property
+    def gains(self) -> Floats | None:
+        """Measures of the mouth of each pose, (4, P), as `mouth_gains`, without limits."""
+        found = mouth_gains(self.channels, self.model)
+        return None if found is None else found @ self.driven
+
+    @property
+    def wide(self) -> frozenset[str]:
+        """Channels that move most in the pose that opens the mouth farthest by its read-outs."""
+        stated = self.poseset.measures.get("aperture", {})
+        widest = max(stated.values(), default=0.0)
+        poses = [0 < widest == stated.get(pose, 0.0) for pose in self.poseset.poses]
+        moved = np.abs(self.driven[:, poses]).max(axis=1, initial=0)
+        pairs = zip(self.channels, moved, strict=True)
+        return frozenset(one.name for one, way in pairs if 0 < way == max(moved))
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Doubtful matches, dead shapes, and a widest pose that hardly opens the mouth."""
+        moved, told = measured(self.model), [*self.found.doubts]
+        widest = max(moved, key=lambda name: moved[name].aperture, default="")
+        every = [shape for name in self.wide for shape in self.found.places.get(name, ())]
+        own = [shape for shape in every if shape in moved]
+        if own and max(moved[n].aperture for n in own) < LEAST_MOUTH <= moved[widest].aperture:
+            told.append(
+                f"on the mesh, {some(own)} hardly opens the mouth, but {widest} parts the lips by "
+                f"{moved[widest].aperture:.2f} of its width: check the names of the shapes"
+            )
+        return tuple(f"{self.model.path}: {doubt}" for doubt in told)
+
+    @property
+    def unsolved(self) -> tuple[str, ...]:
+        """Why the targets are not solved, on a model without a measured mouth."""
+        why = unmeasured(self.model)
+        return (f"{self.model.path}: {why}, so its targets stay as declared",) if why else ()
+
+    def refuse_shut(self) -> None:
+        """Raise a ModelError if no pose of the set opens the mouth of the model."""
+        path, mend = self.model.path, "keep the declared targets with `mouth: declared`"
+        if self.gains is None:
+            if self.wide and self.wide <= self.found.still and not measured(self.model):
+                raise ModelError(
+                    f"{path}: no shape opens the mouth: {'; '.join(self.found.doubts)}. Sculpt "
+                    f"these, or {mend} in a character"
+                )
+        elif (most := self.gains[0].max(initial=0.0)) < LEAST_MOUTH:
+            widest, seen = max(measured(self.model).items(), key=lambda one: one[1].aperture)
+            raise ModelError(
+                f"{path}: no shape of it that is a pose of {self.poseset.name} opens the mouth: "
+                f"the widest parts the lips by {most:.3f} of its width, and the widest of all, "
+                f"{widest}, by {seen.aperture:.3f}. Make those that open it poses with "
+                f"`lipsync-lang posesets new`, or {mend} in a character"
+            )
