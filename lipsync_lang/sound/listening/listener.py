@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from lipsync_lang.base.arrays import Floats, Singles
 from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.pipeline.constrain import constrain
 from lipsync_lang.pipeline.perform import FinalFrames
 from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.sound.listening.belief import Smoother, thirds
@@ -59,11 +60,12 @@ class Resampler:
     """Sound at `SPEECH_RATE`, from sound at another rate that arrives in parts."""
 
     def __init__(self, rate: int) -> None:
-        self._rate = rate
         common = gcd(rate, SPEECH_RATE)
         self._step, self._parts = rate // common, SPEECH_RATE // common
         share = PASSED_SHARE * min(1.0, SPEECH_RATE / rate)
         self._half = ceil(ZERO_CROSSINGS / share)
+        self.look_ahead = self._half / rate
+        """Seconds of sound after a sample that it needs."""
         # a filter for each place of a sample between two samples of the input
         places = np.arange(1 - self._half, self._half + 1)
         away = places - np.arange(self._parts)[:, None] / self._parts
@@ -72,11 +74,6 @@ class Resampler:
         self._first = 1 - self._half
         """Place in the input of the first sample that is kept."""
         self._heard = self._given = 0
-
-    @property
-    def look_ahead(self) -> float:
-        """Seconds of sound after a sample that it needs."""
-        return self._half / self._rate
 
     def push(self, samples: Floats) -> Floats:
         """Return the samples that are complete with these."""
@@ -249,7 +246,8 @@ class Listener:
         share = (at - low)[:, None]
         high = np.minimum(low + 1, len(curves) - 1)
         shown = curves[low] * (1 - share) + curves[high] * share
-        weights[:, : shown.shape[1]] = self._mouth.constrained(shown)
+        tables = self._mouth.tables
+        weights[:, : shown.shape[1]] = constrain(shown.T, tables.binding, tables.at_most).T
         return FinalFrames(times, weights)
 
 

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats
-from lipsync_lang.pipeline.constrain import constrain
 from lipsync_lang.pipeline.tables import RESOLUTION, Tables
 from lipsync_lang.schedules.schedule import SILENCE
 from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS
@@ -146,10 +145,6 @@ class Mouth:
             move = np.minimum(np.maximum(goal - self._now, -self._step), self._step)
             self._now = curves[frame] = self._now + move
         return curves
-
-    def constrained(self, weights: Floats) -> Floats:
-        """Return weights at any frames, (k, P), that keep the constraints."""
-        return constrain(weights.T, self.tables.binding, self.tables.at_most).T
 
     def _touches(self, number: int, sure: float) -> bool:
         """Return True while a contact is held, whose phones are so likely."""

@@ -21,7 +21,7 @@ from lipsync_lang.text.lines.line_readers import (
     SCHEDULE_FORMAT,
     Line,
     LineFile,
-    LineReader,
+    StatedScript,
 )
 
 MAX_LOST_KEYS = 8
@@ -29,24 +29,12 @@ MAX_LOST_KEYS = 8
 
 
 @dataclass(frozen=True)
-class JsonScript:
-    """A format of scripts in JSON, stated as data; several paths have bars between them."""
+class JsonScript(StatedScript):
+    """A format of scripts in JSON."""
 
-    name: str
-    title: str
     suffixes: Sequence[str] = (JSON_SUFFIX,)
-    text: str = ""
-    """Path of the text in an entry; empty for trees, where every text is an entry."""
-    original: str = ""
-    id: str = ""
-    """Path of the identifier; the keys on the way by default."""
     within: str = ""
     """Field of the objects around an entry that comes before its identifier."""
-    speaker: str = ""
-    note: str = ""
-    state: str = ""
-    unready: Sequence[str] = ()
-    """States of an entry that is not translated."""
     languages: str | None = None
     """Name of the objects whose keys are languages; empty for the outermost, None without."""
     native: str = ""
@@ -64,12 +52,9 @@ class JsonScript:
             return _holds(document, self.text)
         if not self.text:
             return isinstance(document, dict) and document != {} and _is_tree(document)
-        values = [*document.values()] if isinstance(document, dict) else document
-        return (
-            bool(values)
-            and isinstance(values, list)
-            and all(isinstance(one, dict) and _text(one, self.text) is not None for one in values)
-        )
+        values = _inside(document)
+        entries = (isinstance(one, dict) and _text(one, self.text) is not None for one in values)
+        return values != [] and all(entries)
 
     def entries(self, source: LineFile, file: TimingFile) -> Iterator[ScriptEntry]:
         """Yield the entries of a file."""
@@ -77,10 +62,6 @@ class JsonScript:
         native = document.get(self.native) if self.native and isinstance(document, dict) else None
         reading = _Search(self, source, file, str(native or ""))
         yield from reading.found(document, (), "")
-
-    def reader(self) -> LineReader:
-        """Return the reader of the format."""
-        return LineReader(self.name, (*self.suffixes,), self.title, self.read)
 
     def read(self, source: LineFile) -> Iterator[Line]:
         """Yield the lines of a file, in the format that its content tells for plain `.json`."""
@@ -217,22 +198,25 @@ def _text(value: Json, paths: str) -> str | None:
     return next((one for one in found if isinstance(one, str)), None)
 
 
+def _inside(value: object) -> list[object]:
+    """Return the values in an object or a list; none in other values."""
+    if isinstance(value, dict):
+        return [*value.values()]
+    return value if isinstance(value, list) else []
+
+
 def _is_tree(value: object, depth: int = 0) -> bool:
     """Return True if a value holds texts alone."""
     # The walk through the file refuses what is deeper, with its line.
     if depth > MAX_ENTRY_DEPTH or isinstance(value, str) or value is None:
         return True
-    inner = [*value.values()] if isinstance(value, dict) else value
-    return isinstance(inner, list) and all(_is_tree(one, depth + 1) for one in inner)
+    holds = isinstance(value, (dict, list))
+    return holds and all(_is_tree(one, depth + 1) for one in _inside(value))
 
 
 def _holds(value: object, paths: str, depth: int = 0) -> bool:
     """Return True if an entry is at or below a value."""
     if isinstance(value, dict) and _text(value, paths) is not None:
         return True
-    inner = [*value.values()] if isinstance(value, dict) else value
-    return (
-        depth <= MAX_ENTRY_DEPTH
-        and isinstance(inner, list)
-        and any(_holds(one, paths, depth + 1) for one in inner)
-    )
+    inner = _inside(value) if depth <= MAX_ENTRY_DEPTH else []
+    return any(_holds(one, paths, depth + 1) for one in inner)

@@ -2,6 +2,7 @@
 
 import os
 import warnings
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
@@ -213,6 +214,33 @@ class LineReader(Format):
     read: ReadLines
     table: OpenTable | None = None
     """Function that opens a table, whose text is in `column`; None for files without columns."""
+
+
+@dataclass(frozen=True)
+class StatedScript(ABC):
+    """A format of scripts, stated as data; several names or paths have bars between them."""
+
+    name: str
+    title: str
+    suffixes: Sequence[str] = ()
+    text: str = ""
+    """Path of the text in an entry; in JSON empty for trees, where every text is an entry."""
+    original: str = ""
+    id: str = ""
+    """Path of the identifier; in JSON the keys on the way by default."""
+    speaker: str = ""
+    note: str = ""
+    state: str = ""
+    unready: Sequence[str] = ()
+    """States of an entry that is not translated."""
+
+    def reader(self) -> LineReader:
+        """Return the reader of the format."""
+        return LineReader(self.name, (*self.suffixes,), self.title, self.read)
+
+    @abstractmethod
+    def read(self, source: LineFile) -> Iterator[Line]:
+        """Yield the lines of a file."""
 
 
 JSON_SUFFIX = ".json"

@@ -57,33 +57,21 @@ UNSEEN = re.compile("[\u00ad\u034f\u061c\u200e\u200f\u202a-\u202e\u2060-\u2069\u
 APOSTROPHE = re.compile("(?<=[^\\W\\d_])[’‘ʼ´`′](?=[^\\W\\d_])")
 """An apostrophe within a word, in any of its spellings."""
 
-NAME = r"[A-Za-z_][A-Za-z0-9_]*"
-"""The name of a variable; it ends where a word of another script begins."""
-LATIN_CHARS = "A-Za-z0-9À-ɏ"
-BESIDE_ADDRESS = f"{UNSPACED}\uac00-\ud7af"
-"""Characters of scripts that put words beside an address without a space, Hangul among them."""
-NO_PERCENTAGE = r"(?<!\d)(?<!\d )%"
-"""A percent sign that does not follow a number, as in `5%des` and `5 %des`."""
-NO_SHARE = r"(?![\d%]|[.,]\d|['’](?!s\b))"
-"""End of the number of a placeholder, `%1`; a share goes on, as in `%1,5` and `%1'i`."""
-SYMBOL = (
-    "[\u2190-\u21ff\u2300-\u23ff\u2500-\u27bf\u27f0-\u27ff\u2900-\u297f\u2b00-\u2bff"
-    "\u2022\u203b\u20e3\u3004\u3012\u3013\u3020\u3030\u303d\u3297\u3299\ufe0e\ufe0f"
-    "\U0001f000-\U0001fbff\U000e0020-\U000e007f|^`_]"
-)
-"""Arrows, shapes, notes of music, emoji and their parts, and marks of typewriters."""
+PATTERN_PARTS = {"UNSPACED": UNSPACED}
+"""Parts of patterns by name: those of `markup_forms.tsv`, and one that these need."""
 
 
 def _stated_forms() -> Iterator[list[str]]:
     """Yield the rows of `markup_forms.tsv`: kind, example, pattern, and a proof for unsure ones."""
-    parts = {"NAME": NAME, "NO_PERCENTAGE": NO_PERCENTAGE, "NO_SHARE": NO_SHARE, "SYMBOL": SYMBOL}
-    parts |= {"LATIN_CHARS": LATIN_CHARS, "BESIDE_ADDRESS": BESIDE_ADDRESS}
     text = Path(__file__).with_name("markup_forms.tsv").read_text("utf-8")
-    for name, part in parts.items():
-        text = text.replace(f"@{{{name}}}", part)
     for row in text.splitlines()[1:]:
         if not row.startswith("# "):
-            yield [*row.split("\t"), ""][:4]
+            whole = re.sub(r"@\{([A-Z_]+)\}", lambda found: PATTERN_PARTS[found[1]], row)
+            kind, example, pattern, proof = [*whole.split("\t"), ""][:4]
+            if kind == "part":
+                PATTERN_PARTS[example] = pattern
+            else:
+                yield [kind, example, pattern, proof]
 
 
 _FORM_ROWS = list(_stated_forms())
@@ -98,17 +86,8 @@ UNSURE_FORMS = {example: (kind, *rest) for kind, example, *rest in _FORM_ROWS if
 """Examples of markup that may be text: its kind, its pattern, and its proof elsewhere in a line."""
 PROOFS = {kind: re.compile(proof) for kind, (_, _, proof) in UNSURE_FORMS.items()}
 SILENT_KINDS = frozenset({"bleep", "code", "tag", "sign", "wave", "face"})
-ADDRESS = (
-    rf"(?i:https?://|www\.)[^\s<>\"\[\]{{}}{BESIDE_ADDRESS}]*[^\s<>\"\[\]{{}}{BESIDE_ADDRESS}.,;:!?)]"
-    rf"|(?<![{LATIN_CHARS}_.+-])[{LATIN_CHARS}_+-]{{1,64}}(?:\.[{LATIN_CHARS}_+-]{{1,64}}){{0,4}}"
-    rf"@[{LATIN_CHARS}-]{{1,64}}(?:\.[{LATIN_CHARS}-]{{1,64}}){{1,4}}"
-)
-EMOTICONS = (
-    r"(?<!\S)(?:[:;=][-'o^]?[)(\]\[DPpOo3/|*]+|[xX]D+|\^[_.-]?\^|[Tt][_.][Tt]|[>oO-][_.][<oO-])"
-    r"(?![^\s.,!?]|\.\w)"
-)
 SUSPECT = re.compile(
-    rf"[][<>{{}}%$§£\\(（【〔［＜〈*~〜～#&@×/={SYMBOL[1:-1]}]|[:;](?:-?[DPpOo3]|(?<=:)[A-Za-z_])"
+    rf"[][<>{{}}%$§£\\(（【〔［＜〈*~〜～#&@×/={PATTERN_PARTS['SYMBOL'][1:-1]}]|[:;](?:-?[DPpOo3]|(?<=:)[A-Za-z_])"
     r"|[-+](?<![\s\S][-+])|www\.|[xX]D|[Tt]\.[Tt]|o\.o"
 )
 """A trace of markup; text without one is spoken as it is.
@@ -373,8 +352,8 @@ def _markup(
         sections.append(f"(?P<{kind}>{'|'.join([*forms.values(), *unsure])})")
     # Nearly all markup begins with a character that is neither a letter nor a pause.
     signs = rf"(?![^\W_]|[\s.,!?'\"])(?:{'|'.join(sections)})"
-    address = f"(?P<address>{ADDRESS})|" if addressed else ""
-    return re.compile(f"{listed}{signs}|{address}(?P<face>{EMOTICONS})", re.DOTALL)
+    address = f"(?P<address>{PATTERN_PARTS['ADDRESS']})|" if addressed else ""
+    return re.compile(f"{listed}{signs}|{address}(?P<face>{PATTERN_PARTS['EMOTICONS']})", re.DOTALL)
 
 
 def _paused(found: re.Match[str]) -> str:

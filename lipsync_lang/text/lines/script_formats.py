@@ -6,13 +6,15 @@ from pathlib import Path
 from typing import Any
 
 from lipsync_lang.text.lines.json_scripts import JsonScript, add_json_script
-from lipsync_lang.text.lines.xml_scripts import XmlScript, add_xml_script
+from lipsync_lang.text.lines.line_readers import LINE_READERS
+from lipsync_lang.text.lines.xml_scripts import XML_SCRIPTS, XmlScript
 
 
 def add_script(name: str, fields: Mapping[str, Any], module: str) -> None:
     """Register a format of scripts by its fields: in XML if it states `entries`, else in JSON."""
     if "entries" in fields:
-        add_xml_script(XmlScript(name, **fields), module)
+        XML_SCRIPTS[name] = XmlScript(name, **fields)
+        LINE_READERS.add(name, XML_SCRIPTS[name].reader(), module)
     else:
         add_json_script(JsonScript(name, **fields), module)
 

@@ -18,7 +18,7 @@ from xml.parsers import expat
 from lipsync_lang.base.errors import LipsyncError, ScheduleError
 from lipsync_lang.text.lines.columns import language_column
 from lipsync_lang.text.lines.entries import MAX_ENTRY_DEPTH, ScriptEntry, entry_lines, whole_file
-from lipsync_lang.text.lines.line_readers import LINE_READERS, Line, LineFile, LineReader
+from lipsync_lang.text.lines.line_readers import Line, LineFile, StatedScript
 from lipsync_lang.text.lines.plain import PROPERTY_ESCAPE, unescaped
 
 MAX_XML_DEPTH = 2 * MAX_ENTRY_DEPTH
@@ -32,24 +32,13 @@ PLACEHOLDER_NAMES = ("equiv-text", "disp", "equiv", "id")
 
 
 @dataclass(frozen=True)
-class XmlScript:
-    """A format of scripts in XML, stated as data; several names or paths have bars between them."""
+class XmlScript(StatedScript):
+    """A format of scripts in XML."""
 
-    name: str
-    title: str
-    suffixes: Sequence[str]
-    entries: str
+    entries: str = ""
     """Names of the elements that are entries."""
-    id: str
-    text: str
-    original: str = ""
     root: str = ""
     """Name of the outermost element, if the suffix does not tell."""
-    speaker: str = ""
-    note: str = ""
-    state: str = ""
-    unready: Sequence[str] = ()
-    """States of an entry that is not translated."""
     each: str = "."
     """Path from an entry to its parts, such as segments; each has a text."""
     form: str = ""
@@ -61,10 +50,6 @@ class XmlScript:
     """Attributes of elements around entries: the languages of their original and their text."""
     escapes: bool = False
     """True if a backslash begins an escape."""
-
-    def reader(self) -> LineReader:
-        """Return the reader of the format."""
-        return LineReader(self.name, (*self.suffixes,), self.title, self.read)
 
     def read(self, source: LineFile) -> Iterator[Line]:
         """Yield the lines of a file, in the format that its outermost element tells."""
@@ -83,12 +68,6 @@ XML_SCRIPTS: dict[str, XmlScript] = {}
 """Formats by name, those of a project included."""
 
 
-def add_xml_script(one: XmlScript, module: str) -> None:
-    """Register a format of scripts in XML."""
-    XML_SCRIPTS[one.name] = one
-    LINE_READERS.add(one.name, one.reader(), module)
-
-
 @dataclass(slots=True)
 class _Element:
     """An element within an entry, with its texts and elements in order."""
@@ -103,8 +82,7 @@ class _Element:
         """Return the elements at a path."""
         if not names:
             return [self]
-        found = self.inner.get(names[0], [])
-        return found if len(names) == 1 else [one for node in found for one in node.at(names[1:])]
+        return [one for node in self.inner.get(names[0], ()) for one in node.at(names[1:])]
 
     def first(self, paths: str) -> list["_Element"]:
         """Return the elements at the first path that leads to some."""
@@ -115,22 +93,15 @@ class _Element:
 
     def value(self, paths: str) -> str:
         """Return the first text or attribute at one of the paths that is not empty."""
-        for names, attribute in _ways(paths) if paths else ():
-            for node in self.at(names) if names else (self,):
+        for names, attribute in _ways(paths):
+            for node in self.at(names):
                 found = node.attributes.get(attribute, "") if attribute else node.text()
                 if found and not found.isspace():
                     return found
         return ""
 
-    def values(self, path: str) -> Iterator[str]:
-        """Yield the texts at the paths."""
-        for names, _ in _ways(path) if path else ():
-            yield from (node.text() for node in self.at(names))
-
     def text(self) -> str:
         """Return the text, with placeholders for the elements that have none."""
-        if len(self.parts) == 1 and isinstance(self.parts[0], str):
-            return self.parts[0]
         return "".join(
             one if isinstance(one, str) else one.text() or one.sign() for one in self.parts
         )
@@ -215,8 +186,7 @@ class _Parsing:
             what = f"is nested deeper than {MAX_XML_DEPTH} elements; check what wrote it"
             raise self.source.fault(self.parser.CurrentLineNumber, what)
         # The prefix of a namespace is the choice of the program that wrote it.
-        if ":" in tag:
-            tag = tag[tag.find(":") + 1 :]
+        tag = tag[tag.find(":") + 1 :]
         if self.open:
             node, around = _Element(tag, attributes), self.open[-1]
             around.parts.append(node)
@@ -269,7 +239,8 @@ class _Parsing:
         if not node.attributes.keys().isdisjoint(script.without):
             return
         is_original = self.is_asked(source) and not self.is_asked(target)
-        name, notes = node.value(script.id), tuple(node.values(script.note))
+        name = node.value(script.id)
+        notes = tuple(one.text() for names, _ in _ways(script.note) for one in node.at(names))
         for at, part in enumerate(node.first(script.each)):
             text, original = part.value(script.text), part.value(script.original)
             form = part.value(script.form) or (str(at) if at else "")

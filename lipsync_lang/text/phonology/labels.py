@@ -116,7 +116,6 @@ class Notation:
     _silent: frozenset[str] = field(init=False, repr=False, default=frozenset())
     _seen: dict[str, Value | None] = field(init=False, repr=False, default_factory=dict)
     _alike: dict[str, Value | None] = field(init=False, repr=False, default_factory=dict)
-    _quiet: dict[str, bool] = field(init=False, repr=False, default_factory=dict)
     _marked: dict[str, int | None] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -222,9 +221,7 @@ class Notation:
 
     def is_silence(self, label: str) -> bool:
         """Return True if a label is a spelling of silence."""
-        if label not in self._quiet:
-            self._quiet[label] = normalise(label).casefold() in self._silent
-        return self._quiet[label]
+        return normalise(label).casefold() in self._silent
 
     def suggest(self, label: str) -> str:
         """Return a hint for a label missing from the table."""

@@ -196,7 +196,7 @@ class NamedAligner(NamedTuple):
     """An aligner with its name, and its model of the language."""
 
     name: str
-    aligner: "Aligner"
+    aligner: Aligner
     model: str | None
 
     def all(

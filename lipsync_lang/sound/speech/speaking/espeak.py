@@ -31,6 +31,7 @@ from lipsync_lang.sound.speech.speaking.speech_engines import (
 from lipsync_lang.sound.speech.speaking.word_spans import find_words
 from lipsync_lang.text.phonology.espeak.espeak_stream import FORKS, answers
 from lipsync_lang.text.phonology.espeak.process import (
+    GARBAGE,
     EspeakProcess,
     blank,
     label_of,
@@ -80,13 +81,11 @@ class Espeak(EspeakProcess):
         """Speak texts as `speak` does, by one process; yield the error of each that fails."""
         source = iter(texts)
         first = list(islice(source, 2))
-        if len(first) == 1 or not FORKS:
+        rate = tried(_rate)(words_per_minute)
+        # An impossible rate is the error of each text.
+        if len(first) == 1 or not FORKS or isinstance(rate, SpeechError):
             say = partial(self.speak, voice=voice, words_per_minute=words_per_minute)
             yield from map(tried(say), chain(first, source))
-            return
-        rate = tried(_rate)(words_per_minute)
-        if isinstance(rate, SpeechError):
-            yield from (rate for _ in chain(first, source))
             return
         ours, workers = tee(map(tried(_plain), chain(first, source)))
         spoken = answers(self, (one for one in workers if isinstance(one, str)), voice, rate)
@@ -124,7 +123,7 @@ def _schedule(header: dict[str, Any], sound: bytes, text: str) -> Schedule:
         labels, bounds, index, stress = intervals(sounds, int(MIN_SILENCE_SECONDS * rate))
         bounds = closed(labels, bounds, samples, int(MIN_CLOSURE_SECONDS * rate))
     except (KeyError, ValueError, TypeError, AttributeError):
-        raise SpeechError("eSpeak NG gave an unreadable answer; try again") from None
+        raise SpeechError(GARBAGE) from None
     if all(label == SILENCE for label in labels):
         raise SpeechError(
             f"eSpeak NG says nothing for {quoted(text)} in this voice{header['said']}; "

@@ -298,19 +298,7 @@ class Speaker:
     def speak(
         self, text: str, *, engine: str | None = None, words_per_minute: int | None = None
     ) -> Schedule:
-        """Speak a text, or estimate its times without a voice.
-
-        Parameters
-        ----------
-        text : text to speak; ``*word*`` emphasises a word, and markup is left out
-        engine : overrides the pack's speech engine; `none` for estimated times
-        words_per_minute : speech rate; None for the engine's default
-
-        Raises
-        ------
-        SpeechError
-            The text is empty or unreadable in the language, or the engine failed.
-        """
+        """Speak a text as the function `speak` does, which explains the options and the errors."""
         (result,) = self.speak_many([text], engine=engine, words_per_minute=words_per_minute)
         return raised(result)
 

@@ -7,6 +7,7 @@ tokens, and each mark is assigned to a token.
 
 import re
 import unicodedata
+from bisect import bisect_left
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -78,21 +79,16 @@ def _starts(text: str, tokens: Sequence[tuple[int, int]], positions: Sequence[in
         for token in tokens
     ]
     inside = [-1] * (len(text) + 1)
-    following = [len(tokens)] * (len(text) + 1)
     for number, (start, end) in enumerate(tokens):
         inside[start:end] = [number] * (end - start)
-    # Backwards, so that each position knows the next token from the one after it.
-    for at in range(len(text) - 1, -1, -1):
-        begins = inside[at] >= 0 and tokens[inside[at]][0] == at
-        following[at] = inside[at] if begins else following[at + 1]
-    at_most = len(text)
-    positions = [min(max(p, 0), at_most) for p in positions]
+    begins = [start for start, _ in tokens]
+    positions = [min(max(p, 0), len(text)) for p in positions]
     claimed = {inside[p] for p in positions}
     starts: list[int] = []
     for position in positions:
         token = inside[position]
         if token < 0 or not said[token]:
-            ahead = following[min(position + 1, at_most)] if token >= 0 else following[position]
+            ahead = bisect_left(begins, position + (token >= 0))
             if ahead < len(tokens) and ahead not in claimed:
                 token = ahead
                 claimed.add(ahead)

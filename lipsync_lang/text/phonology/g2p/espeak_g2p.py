@@ -11,13 +11,14 @@ from functools import lru_cache
 from itertools import pairwise
 from types import MappingProxyType
 
+from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.text.phonology.espeak.process import VOICE_PAUSE, label_of, stress_of
 from lipsync_lang.text.phonology.g2p.g2p_engines import (
     G2P_ENGINES,
+    RESPELLERS,
     G2PEngine,
     Settings,
     SpokenWord,
-    respeller,
 )
 from lipsync_lang.text.phonology.g2p.ipa_text import segments
 from lipsync_lang.text.phonology.g2p.rules import CACHED_WORDS
@@ -33,7 +34,7 @@ ESPEAK_TIMEOUT_SECONDS = 120.0
 @G2P_ENGINES.register("espeak")
 def engine(settings: Settings) -> G2PEngine:
     """Read text with a voice of eSpeak NG."""
-    respell = respeller(settings.respell) if settings.respell else None
+    respell = RESPELLERS.find(settings.respell, SpeechError) if settings.respell else None
 
     def transcribe(texts: Sequence[str]) -> Iterable[Sequence[LabelledWords]]:
         from lipsync_lang.text.phonology.espeak.process import EspeakProcess

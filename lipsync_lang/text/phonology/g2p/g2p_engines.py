@@ -130,8 +130,3 @@ WHISPER = "\u0325"
 
 RESPELLERS: Extensions[Respeller] = Extensions("respellers", "respeller")
 """Functions that respell text, by name."""
-
-
-def respeller(name: str) -> Respeller:
-    """Return the function that respells text; raise `SpeechError` if it is unknown."""
-    return RESPELLERS.find(name, SpeechError)

@@ -39,7 +39,7 @@ from lipsync_lang.text.phonology.g2p.rules import (
     compiled_readings,
     stated_syllables,
 )
-from lipsync_lang.text.phonology.g2p.tokens import PAUSES
+from lipsync_lang.text.phonology.g2p.tokens import PAUSES, unmarked
 
 if TYPE_CHECKING:
     from opencc import OpenCC
@@ -110,16 +110,13 @@ def _text_parts(text: str) -> Iterator[_TextChunk]:
                 continue
             for part in re.finditer(r"[0-9]+|[^0-9]+", piece.plain):
                 kind = "number" if part[0].isdigit() else "foreign"
-                yield _TextChunk(kind, piece.text[slice(*part.span())], _bare(part[0]))
+                # the voice would take marks on letters for tones
+                bare = unmarked(normalize("NFD", part[0]))
+                yield _TextChunk(kind, piece.text[slice(*part.span())], bare)
         elif piece.kind != "symbol" or (
             category(piece.plain)[0] in "LNS" and piece.plain not in LENGTHENING_SIGNS
         ):
             yield piece
-
-
-def _bare(word: str) -> str:
-    """Return a word without marks on its letters: the voice would take them for tones."""
-    return "".join(c for c in normalize("NFD", word) if category(c) != "Mn")
 
 
 def _read(
@@ -255,7 +252,7 @@ def _known() -> frozenset[str]:
 
     written = {s for readings in PINYIN_DICT.values() for s in readings.split(",")}
     bare = {normalize("NFD", s).replace("u\u0308", "v") for s in written}
-    return frozenset(s for s in map(_bare, bare) if set(s) & set("aeiouv"))
+    return frozenset(s for s in map(unmarked, bare) if set(s) & set("aeiouv"))
 
 
 def spelled(word: str, *, toneless: bool) -> tuple[str, ...]:

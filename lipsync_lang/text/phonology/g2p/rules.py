@@ -23,13 +23,13 @@ from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.text.phonology.g2p.contexts import MAX_STEPS_PER_LETTER, Surroundings
 from lipsync_lang.text.phonology.g2p.g2p_engines import (
     G2P_ENGINES,
+    RESPELLERS,
     WHISPER,
     G2PEngine,
     Rule,
     Settings,
     SpokenWord,
     merged,
-    respeller,
 )
 from lipsync_lang.text.phonology.g2p.tokens import plain, read_words
 from lipsync_lang.text.phonology.labels import normalise
@@ -110,7 +110,7 @@ def engine(settings: Settings) -> G2PEngine:
     """Read text with the rules of a pack."""
     rewriter = Rewriter(settings.rules, settings.labels)
     readings = Rewriter(settings.readings)
-    respell = respeller(settings.respell) if settings.respell else None
+    respell = RESPELLERS.find(settings.respell, SpeechError) if settings.respell else None
     foreign = ForeignReader(settings)
 
     def read(texts: Sequence[str]) -> Iterator[tuple[SpokenWord, ...]]:
@@ -243,13 +243,6 @@ class StatedReading(NamedTuple):
     syllables: tuple[str, ...]
     around: Surroundings
 
-    def spans(self, text: str) -> Iterator[tuple[int, int]]:
-        """Yield where it applies in a text."""
-        for found in re.finditer(f"(?={re.escape(self.letters)})", text):
-            start, stop = found.start(), found.start() + len(self.letters)
-            if self.around.fit(text, start, stop):
-                yield start, stop
-
 
 def compiled_readings(readings: Sequence[Rule]) -> tuple[StatedReading, ...]:
     """Compile the readings of a pack, which have one syllable for each character."""
@@ -270,8 +263,9 @@ def stated_syllables(
     """Return the stated syllable of each character that has one, by its place."""
     ends = {0, *accumulate(map(len, phrases))}
     found: dict[int, str] = {}
-    for reading in readings:
-        for start, stop in reading.spans(text):
-            if {start, stop} <= ends and start not in found:
-                found |= dict(zip(range(start, stop), reading.syllables, strict=True))
+    for letters, syllables, around in readings:
+        for place in re.finditer(f"(?={re.escape(letters)})", text):
+            start, stop = place.start(), place.start() + len(letters)
+            if {start, stop} <= ends and start not in found and around.fit(text, start, stop):
+                found |= dict(zip(range(start, stop), syllables, strict=True))
     return found

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
-from lipsync_lang.sound.speech.hearing.align.aligners import BatchAligner, aligner
+from lipsync_lang.sound.speech.hearing.align.aligners import BatchAligner, UnreadRecordings, aligner
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE, STATES
 from lipsync_lang.sound.speech.hearing.sphinx.decoders import decoded_words
 from lipsync_lang.sound.speech.hearing.sphinx.features import (
@@ -61,10 +61,7 @@ class PocketsphinxAligner(BatchAligner):
     """
 
     def align_many(
-        self,
-        recordings: Iterable[tuple[Callable[[], Audio], str]],
-        speaker: "Speaker",
-        model: str | None = None,
+        self, recordings: UnreadRecordings, speaker: "Speaker", model: str | None = None
     ) -> Iterator[Schedule | SpeechError]:
         """Align as `align` does, with many texts read at once."""
         try:

@@ -11,7 +11,7 @@ frames' distances at large, so that sound that resembles nothing and sound that 
 are alike.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import tee
@@ -22,7 +22,7 @@ import numpy as np
 from lipsync_lang.base.arrays import Floats, Ints
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule, Word
-from lipsync_lang.sound.speech.hearing.align.aligners import BatchAligner, aligner
+from lipsync_lang.sound.speech.hearing.align.aligners import BatchAligner, UnreadRecordings, aligner
 from lipsync_lang.sound.speech.hearing.align.bending import TRACTS, Fit, SpokenVoice, fitted
 from lipsync_lang.sound.speech.hearing.align.spectrum import (
     HOP,
@@ -342,10 +342,7 @@ class Warp(BatchAligner):
     """
 
     def align_many(
-        self,
-        recordings: Iterable[tuple[Callable[[], Audio], str]],
-        speaker: "Speaker",
-        model: str | None = None,
+        self, recordings: UnreadRecordings, speaker: "Speaker", model: str | None = None
     ) -> Iterator[Schedule | SpeechError]:
         """Align as `align` does, with all texts spoken by one process."""
         if model is not None:

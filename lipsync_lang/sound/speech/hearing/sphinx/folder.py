@@ -1,12 +1,12 @@
 """Acoustic models by name or folder, with their phones in IPA, dictionary and language model."""
 
+import json
 import struct
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from importlib.util import find_spec
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -59,20 +59,10 @@ FRONT_END: Mapping[str, tuple[str, Callable[[str], Any]]] = {
 }  # fmt: skip
 """Parameters of `feat.params` that the features follow, with their settings."""
 
-FIXED_PARAMETERS: Mapping[str, tuple[str, ...]] = MappingProxyType({
-    "feat": ("1s_c_d_dd",), "cmn": ("batch", "current", "live", "prior"), "varnorm": ("no",),
-    "agc": ("none",), "lda": (), "ldadim": ("0",), "svspec": ("0-12/13-25/26-38",),
-    "samprate": ("16000",), "frate": ("100",), "wlen": ("0.025625", "0.0256"), "nfft": ("0", "512"),
-    "alpha": ("0.97",), "ncep": ("13",), "ceplen": ("13",), "unit_area": ("yes",),
-    "round_filters": ("yes",), "remove_dc": ("no",), "doublebw": ("no",), "logspec": ("no",),
-    "smoothspec": ("no",), "warp_params": (),
-})  # fmt: skip
-"""Parameters that the features cannot follow, with the values that they have."""
-
-INERT_PARAMETERS = frozenset({
-    "cmninit", "dither", "model", "remove_silence", "seed", "input_endian", "warp_type",
-})  # fmt: skip
-"""Parameters that no feature of a whole recording depends on."""
+OTHER_PARAMETERS: Mapping[str, Sequence[str] | None] = json.loads(
+    Path(__file__).with_name("feature_parameters.json").read_text("utf-8")
+)
+"""Other parameters with the values that the features have; None if no feature depends on one."""
 
 MODEL_FOLDER = "models"
 """The folder of a project with its models, each a folder."""
@@ -155,12 +145,11 @@ def _front_end(folder: Path) -> SphinxFrontEnd:
         if known in FRONT_END:
             field, kind = FRONT_END[known]
             settings[field] = kind(value)
-        elif known in FIXED_PARAMETERS:
-            if not same_value(value, FIXED_PARAMETERS[known]):
-                only = " or ".join(FIXED_PARAMETERS[known]) or "no such parameter"
-                raise refused(path, f"{name} {value}", f"the features have {only}")
-        elif known not in INERT_PARAMETERS:
+        elif known not in OTHER_PARAMETERS:
             raise refused(path, name, "this parameter is unknown")
+        elif (fixed := OTHER_PARAMETERS[known]) is not None and not same_value(value, fixed):
+            only = " or ".join(fixed) or "no such parameter"
+            raise refused(path, f"{name} {value}", f"the features have {only}")
     made = SphinxFrontEnd(**settings)
     if not 0 < made.bands <= MAX_BANDS:
         raise refused(path, f"-nfilt {made.bands}", f"the features have 1 to {MAX_BANDS} bands")
@@ -180,7 +169,7 @@ def refused(path: Path, what: str, why: str) -> SpeechError:
     )
 
 
-def same_value(value: str, known: tuple[str, ...]) -> bool:
+def same_value(value: str, known: Sequence[str]) -> bool:
     """Return True for one of some values, numbers in any spelling."""
     try:
         return float(value) in map(float, known)
@@ -220,8 +209,7 @@ def _numbers(path: Path) -> tuple[tuple[int, ...], Singles]:
 def _binary_entries(content: bytes) -> ModelEntries:
     (skipped,) = struct.unpack_from("<i", content, 8)
     at = 12 + skipped
-    head = struct.unpack_from("<10i", content, at)
-    simple, count, length, _, _, _, rows, _, nodes, _ = head
+    simple, count, length, _, _, _, rows, _, nodes, _ = struct.unpack_from("<10i", content, at)
     if length != STATES:
         raise ValueError(f"{length} states per phoneme instead of {STATES}")
     at += 40
