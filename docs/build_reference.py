@@ -32,7 +32,7 @@ from lipsync_lang.cli import parser
 from lipsync_lang.commands.registry import leaves
 from lipsync_lang.faces.rigs.recognise import losses
 from lipsync_lang.packs.describe import schema
-from lipsync_lang.packs.extending import JOINED_FIELDS
+from lipsync_lang.packs.extending import REPLACED_FIELDS
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Language, PoseSet
@@ -162,6 +162,28 @@ WHERE = {
     "project": "`lipsync.yaml`, in a project's folder",
     "readout": "`readout.yaml`, beside captures",
 }
+
+JOINED_FIELDS = {
+    "notations": "by label: a label of the child replaces that of the parent in any spelling",
+    **dict.fromkeys(
+        ("adds", "durations", "examples", "reasons"),
+        "by entry: an entry of the child replaces that of the parent",
+    ),
+    "words": "by word; `null` leaves an inherited word to the engine",
+    "text": "by field; mappings in it by entry, and its lists as a whole",
+    "g2p": (
+        "lists by item, the child's first; other fields as stated by the child, else the parent. A "
+        "child with another engine, voice, code or file, or with `replace`, has its own alone"
+    ),
+    "silence": "both",
+    **dict.fromkeys(REPLACED_FIELDS, "the child's if stated, else the parent's"),
+    "tests": "the child's alone; a child of its parent's name keeps the others, too",
+    **dict.fromkeys(
+        ("format", "name", "title", "kind", "tag", "aliases", "extends", "inventory", "caveats"),
+        "the child's alone",
+    ),
+}
+"""Ways in which `extends` joins each field."""
 
 EXAMPLES = {
     path.relative_to(HERE / "example").as_posix(): path.read_text("utf-8")

@@ -105,15 +105,13 @@ def _untested(trial: Trial, common: models.Phonemes) -> dict[str, list[str]]:
     heard = {name for test in model.tests for name in test.phonemes}
     names = [*common.base, *(name for name in model.adds if name not in common.base)]
     if model.inventory:
-        spelled = model.inventory.spelled
+        spelled, name = model.inventory.spelled, IPA
         phonemes = [s for s in model.inventory.segments if s not in model.inventory.absent]
-        missing = [s for s in phonemes if normalise(spelled.get(s, s)) not in reached]
-        notation = notation_of(model, IPA)
     else:
-        first = next(iter(model.notations), "")
-        phonemes = [*(model.examples or model.notations.get(first, {}))]
-        missing = [label for label in phonemes if normalise(label) not in reached]
-        notation = notation_of(model, first)
+        spelled, name = {}, next(iter(model.notations), "")
+        phonemes = [*(model.examples or model.notations.get(name, {}))]
+    missing = [label for label in phonemes if normalise(spelled.get(label, label)) not in reached]
+    notation = notation_of(model, name)
     mapped = {name for label in phonemes for name, _ in notation.find(label) or ()}
     rules = model.g2p.rules if model.g2p else ()
     return {

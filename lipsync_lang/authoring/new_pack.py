@@ -9,10 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from filecmp import cmp
 from functools import partial
-from io import BytesIO
 from os.path import relpath
 from pathlib import Path
-from shutil import copyfileobj
 from typing import BinaryIO
 
 from lipsync_lang.base.errors import LipsyncError, PackError
@@ -61,8 +59,7 @@ def write_new(files: NewFiles) -> None:
     """Write all files or none, in folders that need not exist."""
 
     def fill(content: bytes | Path, stream: BinaryIO) -> None:
-        with BytesIO(content) if isinstance(content, bytes) else content.open("rb") as source:
-            copyfileobj(source, stream)
+        stream.write(content if isinstance(content, bytes) else content.read_bytes())
 
     for path in files:
         # A stranger's project may hold links out of it; a folder that the user names is his.

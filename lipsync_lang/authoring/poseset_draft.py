@@ -68,7 +68,7 @@ class PoseSetWish(PackWish):
     model: Path | None = None
     """Path of a model; its shapes are the poses if no names are given."""
     like: str | None = None
-    """models.Pose set for the targets; its poses are used if neither names nor shapes are given."""
+    """Pose set for the targets; its poses are used if neither names nor shapes are given."""
     guess: bool = False
     """Assign sounds to unknown poses instead of targets at rest."""
     solve: bool = False

@@ -23,28 +23,6 @@ REPLACED_FIELDS = (
 )  # fmt: skip
 """Fields that a child replaces as a whole, or inherits."""
 
-JOINED_FIELDS = {
-    "notations": "by label: a label of the child replaces that of the parent in any spelling",
-    **dict.fromkeys(
-        ("adds", "durations", "examples", "reasons"),
-        "by entry: an entry of the child replaces that of the parent",
-    ),
-    "words": "by word; `null` leaves an inherited word to the engine",
-    "text": "by field; mappings in it by entry, and its lists as a whole",
-    "g2p": (
-        "lists by item, the child's first; other fields as stated by the child, else the parent. A "
-        "child with another engine, voice, code or file, or with `replace`, has its own alone"
-    ),
-    "silence": "both",
-    **dict.fromkeys(REPLACED_FIELDS, "the child's if stated, else the parent's"),
-    "tests": "the child's alone; a child of its parent's name keeps the others, too",
-    **dict.fromkeys(
-        ("format", "name", "title", "kind", "tag", "aliases", "extends", "inventory", "caveats"),
-        "the child's alone",
-    ),
-}
-"""Ways in which `extends` joins each field."""
-
 MERGED_FIELDS = ("adds", "durations", "words", "examples", "reasons")
 """Mappings that are merged; a child's entry replaces its parent's."""
 

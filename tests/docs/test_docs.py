@@ -30,6 +30,7 @@ from places import ROOT
 from syntax_trees import modules, walked
 
 from lipsync_lang.cli import main
+from lipsync_lang.packs.models import Language
 
 
 def generator():
@@ -52,6 +53,10 @@ def test_generated_pages_are_up_to_date(name):
     wanted = MADE.page(name)
     differs = "\n".join(unified_diff(there.split("\n"), wanted.split("\n"), name, "code", n=0))
     assert not differs, f"run python docs/build_reference.py\n{differs}"
+
+
+def test_every_field_of_a_language_says_how_it_is_joined():
+    assert set(MADE.JOINED_FIELDS) == set(Language.model_fields)
 
 
 def test_the_readme_counts_the_languages_and_pose_sets_there_are():

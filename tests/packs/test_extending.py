@@ -3,9 +3,7 @@
 import pytest
 
 import lipsync_lang as ll
-from lipsync_lang.packs.extending import JOINED_FIELDS
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.models import Language
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 CHILD = """kind: language
@@ -119,7 +117,3 @@ def test_a_child_keeps_what_is_said_of_its_parents_labels_and_notes(child):
     assert model.asides == parent.asides != ()
     assert child("stress_digits: []\n", "english", "en").stress_digits == ()
     assert child("", "hebrew", "he").weak == Library().language("hebrew").model.weak
-
-
-def test_every_field_says_how_it_is_joined():
-    assert set(JOINED_FIELDS) == set(Language.model_fields)

@@ -13,6 +13,9 @@ from packs_tree import TREE, plant, put
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.models import MODELS
+from lipsync_lang.packs.models.language_models import ALIAS_PATTERN, TAG_PATTERN
+from lipsync_lang.packs.models.validation import _words
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, fault_codes
 from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES
 
@@ -167,6 +170,13 @@ BAD = [
         'title: Parent\ntext: {abbreviations: {"# m | # м": "{1} m", "#m | # m": "{1} mm"}}',
         (("P119", 6, '"{1} mm"'),), "leave it out"),
     Bad("no regular expression", PARENT, '"[ao]"', '"[ao"', (("P117", 7, '"[ao"'),)),
+    Bad("no regular expressions", PARENT, "title: Parent",
+        'title: Parent\ntext: {repeated: {x: "(a"}, rank_cases: {of: {before: "(b", after: "(c"}}}',
+        (("P117", 6, '"(a"'), ("P117", 6, '"(b"'), ("P117", 6, '"(c"'))),
+    Bad("no regular expressions of the engine", PARENT, "rules: [",
+        'native: "(a", corrections: [{from: m, to: m, before: "(b", after: "(c", spelled: "(d", '
+        'next_word: "(e"}], rules: [',
+        tuple(("P117", 7, f'"({sign}"') for sign in "abcde")),
     Bad("a slow expression", PARENT, '"[ao]"', '"(a+)+"', (("P118", 7, '"(a+)+"'),), "atomic"),
     Bad("no such voice", PARENT, "voice: eo", "voice: isl", (("P226", 8, "isl}"),), "did you mean"),
     Bad("empty text", PARENT, "from: m", "from: ''", (("P116", 7, "'', to:"),)),
@@ -673,3 +683,11 @@ def test_every_code_has_a_meaning_a_cause_and_a_cure(code):
     told = fault_codes()[code]
     for sentence in (told.meaning, told.cause, told.cure):
         assert re.fullmatch(r"[A-Z`].{8,}\.", sentence)
+
+
+def test_patterns_with_a_cure_of_their_own_are_those_of_the_models():
+    schemas = json.dumps([model.model_json_schema() for model in MODELS.values()])
+    fields = r'"pattern(?:Properties)?": {?("(?:[^"\\]|\\.)*")'
+    stated = set(map(json.loads, re.findall(fields, schemas)))
+    others = {TAG_PATTERN, ALIAS_PATTERN, "#", r"^(?:\w+ )?~\.?$"}
+    assert set(_words()["patterns"]) == stated - others

@@ -5,7 +5,6 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from lipsync_lang.packs.models.fields import Short, Strict
-from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.pipeline.motion import LEAST_SPEED
 
 UpToTen = Annotated[float, Field(ge=0, le=10)]
@@ -53,9 +52,8 @@ class MotionFields(Strict):
     """Least seconds of each pose, with one pose shown at a time; at 0 poses blend."""
 
 
-def _preset(value: Data) -> Data:
-    return {"preset": value} if isinstance(value, str) else value
-
-
-OrPreset = Short(_preset, forms=lambda full: [full, {"type": "string"}])
+OrPreset = Short(
+    lambda value: {"preset": value} if isinstance(value, str) else value,
+    forms=lambda full: [full, {"type": "string"}],
+)
 """Accepts a preset's name alone as motion settings."""

@@ -5,8 +5,10 @@ Messages use the words of the file, never names of Python classes.
 
 import re
 from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
 from types import NoneType, UnionType
-from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, TypeVar, Union, cast, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -14,6 +16,7 @@ from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.packs.models import MODELS, PackModel
 from lipsync_lang.packs.models.fields import PACK_FORMAT, descriptions
 from lipsync_lang.packs.yaml.building import NO_COLON
+from lipsync_lang.packs.yaml.events import load_yaml
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.packs.yaml.source import Data, Loc, YamlSource
 
@@ -31,37 +34,14 @@ KEY_STEP = "[key]"
 MAX_QUOTED_CHARS = 40
 """Characters of a value that a message quotes."""
 
-_MUST = {
-    "string_type": "text",
-    "float_type": "a number",
-    "int_type": "a whole number",
-    "bool_type": "true or false",
-    "tuple_type": "a list",
-    "list_type": "a list",
-    "dict_type": "a mapping",
-    "model_type": "a mapping",
-    "model_attributes_type": "a mapping",
-}
-_RANGE_ERRORS = {
-    "greater_than": ("gt", "above"),
-    "greater_than_equal": ("ge", "at least"),
-    "less_than": ("lt", "below"),
-    "less_than_equal": ("le", "at most"),
-}
-_PATTERNS = {
-    r"^\d+(\.\d+)?(/\d+)?$": "write a number such as 23.976, or a fraction such as 24000/1001",
-    "^[a-z]+$": "name a phoneme in small letters a to z; silence has no contact",
-    "^([a-z]+|_)$": "name a common phoneme in small letters a to z, or '_'",
-    "^[A-Za-z0-9][A-Za-z0-9_-]*$": "use letters, digits, '-' and '_'",
-    "^[A-Za-z0-9][A-Za-z0-9_-]*(:[A-Za-z0-9][A-Za-z0-9_+-]*)?$": (
-        "name a language, or an engine and its code as in ENGINE:CODE"
-    ),
-    r"^[^{}|]+$": "write the words alone, without braces and |",
-    "^[A-Z]$": "write one capital from A to Z",
-    "^(0|[1-9][0-9]{0,11})$": "write a number of digits alone",
-    r"^\.[a-z0-9._-]+$": "write a suffix in small letters, such as .json",
-}
 _PATTERN = "write a BCP 47 tag such as 'pt-BR'"
+
+
+@cache
+def _words() -> dict[str, dict[str, Any]]:
+    """Return the words for pydantic's errors, from `validation.yaml`."""
+    text = Path(__file__).with_suffix(".yaml").read_text("utf-8")
+    return cast("dict[str, dict[str, Any]]", load_yaml(text))
 
 
 def validated(
@@ -162,18 +142,18 @@ def _say(  # noqa: C901, PLR0911 one return for each family of errors
     # Pydantic also says "missing" of an item of a tuple, by its number.
     if sort in ("missing", "too_short", "too_long"):
         return _length(source, loc, report)
-    if sort in _MUST:
+    if sort in _words()["types"]:
         needed = bool(loc) and loc[-1] in _fields(model, loc, required=True)
-        what = f"{subject} must be {_MUST[sort]}, got {_got(value)}"
+        what = f"{subject} must be {_words()['types'][sort]}, got {_got(value)}"
         return "P103", what, _mend(sort, value, needed=needed)
-    if sort in _RANGE_ERRORS:
-        bound, word = _RANGE_ERRORS[sort]
+    if sort in _words()["ranges"]:
+        bound, word = _words()["ranges"][sort]
         hint = f"write a number that is {word} {context[bound]:g}"
         return "P104", f"{subject} must be {word} {context[bound]:g}, got {value:g}", hint
     if sort == "finite_number":
         return "P105", f"{subject} must be a finite number, got {value}", ""
     if sort in ("string_pattern_mismatch", "string_too_long"):
-        hint = _PATTERNS.get(context.get("pattern", ""), _PATTERN)
+        hint = _words()["patterns"].get(context.get("pattern", ""), _PATTERN)
         hint = hint if "pattern" in context else f"keep it below {context['max_length']} characters"
         return "P106", f"{_got(value)} is malformed", hint
     if sort == "string_too_short":

@@ -7,19 +7,6 @@ A bigram is *authored* if a bank has it edited or approved. Drafts are not autho
 bigrams fitted to captures, nor curves that an added phoneme borrows from a similar one.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING
+import lazy_loader
 
-if TYPE_CHECKING:
-    from lipsync_lang.reports.coverage.matrix import coverage
-    from lipsync_lang.reports.coverage.report import Coverage
-
-__all__ = ["Coverage", "coverage"]
-
-
-def __getattr__(name: str) -> object:
-    """Import a public name at its first use."""
-    homes = {"coverage": "matrix", "Coverage": "report"}
-    if name in homes:
-        return getattr(import_module(f"{__name__}.{homes[name]}"), name)
-    raise AttributeError(f"module 'lipsync_lang.reports.coverage' has no attribute '{name}'")
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -191,66 +191,6 @@ class Cell(NamedTuple):
     row: StateRow
 
 
-def distribution(rows: Sequence[StateRow], codes: str, needed: Mapping[str, int]) -> Chart:
-    """Chart the share of each bigram, by rank, in the colour of its status (figure 2)."""
-    most = max((row["percent"] for row in rows), default=0) or 1
-    step = _step(most)
-    top = ceil(round(most / step, 6)) * step
-    outlines = dict.fromkeys(sorted(set(codes)), "")
-    rank = 0
-    for code, group in groupby(zip(rows, codes, strict=True), key=lambda pair: pair[1]):
-        heights = [CHART_HEIGHT - round(row["percent"] * CHART_HEIGHT / top) for row, _ in group]
-        steps = "".join(f"V{height}h1" for height in heights)  # adjacent bars share a piece
-        outlines[code] += f"M{rank} {CHART_HEIGHT}{steps}V{CHART_HEIGHT}z"
-        # One path for each status: thousands of bars as elements of their own are slow in browsers
-        rank += len(heights)
-    return Chart(
-        "Distribution",
-        "Occurrences of each bigram, most frequent first, coloured by status.",
-        len(rows),
-        [(f"s{code}", outline) for code, outline in outlines.items()],
-        [_tick(n * step, n * step / top) for n in range(round(top / step) + 1)],
-        _marks(needed, len(rows), STANDING_HEIGHTS, standing=True),
-        _ranks(len(rows)),
-    )
-
-
-def running(rows: Sequence[StateRow], needed: Mapping[str, int]) -> Chart:
-    """Chart the running share of all occurrences, by rank."""
-    line = "".join(
-        f"V{CHART_HEIGHT - round(row['running'] * CHART_HEIGHT / 100)}h1" for row in rows
-    )
-    start = f"M0 {CHART_HEIGHT}{line}"
-    return Chart(
-        "Running total",
-        "Share of all occurrences that the most frequent bigrams make up together.",
-        len(rows),
-        [("under", f"{start}V{CHART_HEIGHT}z"), ("line", start)],
-        [_tick(percent, percent / 100) for percent in (0, 25, 50, 75, 100)],
-        _marks(needed, len(rows), HANGING_HEIGHTS, standing=False),
-        _ranks(len(rows)),
-    )
-
-
-def heat_map(
-    rows: Sequence[StateRow], phonemes: Sequence[str]
-) -> tuple[list[str], list[list[Cell | None]]]:
-    """Return the axis of the map, and its cells: first phonemes down, second ones across."""
-    numbers = {row["bigram"]: number for number, row in enumerate(rows)}
-    named = {half for name in numbers for half in name.partition("-")[::2]}
-    axis = [phoneme for phoneme in phonemes if phoneme in named]
-    axis += sorted(named - set(axis))
-    most = max((row["count"] for row in rows), default=0) or 1
-
-    def cell(bigram: str) -> Cell | None:
-        if bigram not in numbers:
-            return None
-        row = rows[numbers[bigram]]
-        return Cell(numbers[bigram], ceil(SHADES * (row["count"] / most) ** GAMMA), row)
-
-    return axis, [[cell(f"{first}-{second}") for second in axis] for first in axis]
-
-
 def _step(most: float) -> float:
     """Return the smallest step of 1, 2, 5 or 10 times a power of ten with few ticks."""
     rough = most / MAX_TICKS
@@ -356,17 +296,57 @@ class ReportView:
         return len(self.document["next_hour"]["bigrams"]) * self.minutes / 60
 
     def distribution(self) -> Chart:
-        """Chart the share of each bigram."""
-        codes = "".join(map(self.states.status_code, self.rows))
-        return distribution(self.rows, codes, self.needed)
+        """Chart the share of each bigram, by rank, in the colour of its status (figure 2)."""
+        rows, codes = self.rows, list(map(self.states.status_code, self.rows))
+        most = max((row["percent"] for row in rows), default=0) or 1
+        step = _step(most)
+        top = ceil(round(most / step, 6)) * step
+        outlines = dict.fromkeys(sorted(set(codes)), "")
+        rank = 0
+        for code, group in groupby(zip(rows, codes, strict=True), key=lambda pair: pair[1]):
+            heights = [
+                CHART_HEIGHT - round(row["percent"] * CHART_HEIGHT / top) for row, _ in group
+            ]
+            steps = "".join(f"V{height}h1" for height in heights)  # adjacent bars share a piece
+            outlines[code] += f"M{rank} {CHART_HEIGHT}{steps}V{CHART_HEIGHT}z"
+            # One path for each status, because thousands of bars as elements are slow in browsers
+            rank += len(heights)
+        return Chart(
+            "Distribution",
+            "Occurrences of each bigram, most frequent first, coloured by status.",
+            len(rows),
+            [(f"s{code}", outline) for code, outline in outlines.items()],
+            [_tick(n * step, n * step / top) for n in range(round(top / step) + 1)],
+            _marks(self.needed, len(rows), STANDING_HEIGHTS, standing=True),
+            _ranks(len(rows)),
+        )
 
     def running(self) -> Chart:
-        """Chart the running total."""
-        return running(self.rows, self.needed)
+        """Chart the running share of all occurrences, by rank."""
+        heights = (CHART_HEIGHT - round(row["running"] * CHART_HEIGHT / 100) for row in self.rows)
+        start = f"M0 {CHART_HEIGHT}{''.join(f'V{height}h1' for height in heights)}"
+        return Chart(
+            "Running total",
+            "Share of all occurrences that the most frequent bigrams make up together.",
+            len(self.rows),
+            [("under", f"{start}V{CHART_HEIGHT}z"), ("line", start)],
+            [_tick(percent, percent / 100) for percent in (0, 25, 50, 75, 100)],
+            _marks(self.needed, len(self.rows), HANGING_HEIGHTS, standing=False),
+            _ranks(len(self.rows)),
+        )
 
     def heat_map(self) -> tuple[list[str], list[list[Cell | None]]]:
-        """Return the axis and the cells of the map."""
-        return heat_map(self.rows, list(self.document["phonemes"]))
+        """Return the axis of the map, and its cells: first phonemes down, second ones across."""
+        numbered = {row["bigram"]: (number, row) for number, row in enumerate(self.rows)}
+        named = {half for name in numbered for half in name.partition("-")[::2]}
+        axis = [phoneme for phoneme in self.document["phonemes"] if phoneme in named]
+        axis += sorted(named - set(axis))
+        most = max((row["count"] for row in self.rows), default=0) or 1
+        cells = {
+            bigram: Cell(number, ceil(SHADES * (row["count"] / most) ** GAMMA), row)
+            for bigram, (number, row) in numbered.items()
+        }
+        return axis, [[cells.get(f"{first}-{second}") for second in axis] for first in axis]
 
     def other_scripts(self, *, counted: bool) -> list[Mapping[str, Any]]:
         """Return the counted or the uncounted words in other scripts."""
