@@ -27,12 +27,7 @@ from lipsync_lang.packs.models.fields import (
 )
 from lipsync_lang.packs.models.gesture_models import GestureWords
 from lipsync_lang.packs.models.motion_models import MotionFields, OrPreset
-from lipsync_lang.packs.models.text_models import (
-    LanguageText,
-    SharedText,
-    WordTable,
-    check_contexts,
-)
+from lipsync_lang.packs.models.text_models import ContextText, LanguageText, SharedText, WordTable
 from lipsync_lang.text.phonology.labels import Value
 
 SoundClass = Literal[
@@ -217,15 +212,10 @@ class Rewrite(Strict):
     """Letters of the word."""
     to: Annotated[tuple[Label, ...], OrOne]
     """Labels of the notation; an empty list for mute letters."""
-    before: str = ""
+    before: ContextText = ""
     """A regular expression, in small letters, that must match the text after the spelling."""
-    after: str = ""
+    after: ContextText = ""
     """A regular expression, in small letters, that must match the text before the spelling."""
-
-    @model_validator(mode="after")
-    def _contexts_are_usable(self) -> Self:
-        check_contexts({"before": self.before, "after": self.after})
-        return self
 
 
 class LabelCorrection(Strict):
@@ -235,13 +225,13 @@ class LabelCorrection(Strict):
     """Labels of the engine, in order."""
     to: Annotated[tuple[Label, ...], OrOne]
     """Labels of the notation in their place; an empty list if the sound is not said."""
-    before: str = ""
+    before: ContextText = ""
     """A regular expression that must match the labels after them, joined without spaces."""
-    after: str = ""
+    after: ContextText = ""
     """A regular expression that must match the labels before them, joined without spaces."""
-    spelled: str = ""
+    spelled: ContextText = ""
     """A regular expression, in small letters, that must be found in the word as it is written."""
-    next_word: str = ""
+    next_word: ContextText = ""
     """A regular expression that must match the first label of the next word; none follows before a
     pause."""
     timings: bool = False
@@ -249,12 +239,10 @@ class LabelCorrection(Strict):
     many labels in `to` as in `from`, tones do not count, and all labels are one word."""
 
     @model_validator(mode="after")
-    def _places_are_usable(self) -> Self:
+    def _as_many(self) -> Self:
         if self.timings and (len(self.to) != len(self.labels) or self.spelled or self.next_word):
             what = "`timings` needs as many labels in `to` as in `from`, and no context of words"
             raise PydanticCustomError("P115", what, {"field": "timings"})
-        fields = ("before", "after", "spelled", "next_word")
-        check_contexts({name: getattr(self, name) for name in fields})
         return self
 
 
@@ -298,7 +286,7 @@ class G2P(Strict):
     foreign: tuple[Rewrite, ...] = ()
     """Rewrites of the sounds of words in Latin letters that the engine does not read, as the shared
     `foreign_voice` says them: to labels, or to the letters of `readings`."""
-    native: str = ""
+    native: ContextText = ""
     """A regular expression, in small letters, of the words of a language in Latin letters; with
     `foreign`, other words are said by the voice."""
     corrections: tuple[LabelCorrection, ...] = ()
@@ -308,11 +296,6 @@ class G2P(Strict):
     def reading_backend(self) -> str:
         """The backend of phonemizer; empty for other engines."""
         return self.backend if self.engine == "phonemizer" else ""
-
-    @model_validator(mode="after")
-    def _native_is_usable(self) -> Self:
-        check_contexts({"native": self.native})
-        return self
 
 
 class TTS(Strict):

@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import Annotated, Self
 
-from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
 from lipsync_lang.packs.models.fields import (
@@ -22,18 +22,22 @@ from lipsync_lang.packs.yaml.source import BETWEEN_SPELLINGS, Data
 from lipsync_lang.text.phonology.g2p.contexts import ContextError, compile_context
 
 
-def check_contexts(contexts: Mapping[str, str]) -> None:
+def _context(text: str, told: ValidationInfo) -> str:
     """Refuse a context that is not a regular expression, or too slow."""
-    for field, text in contexts.items():
-        try:
-            if text:
-                compile_context(text, precedes=field in {"after", "repeated"})
-        except ContextError as error:
-            raise PydanticCustomError(
-                "P118" if error.slow else "P117",
-                "`{field}` {what}",
-                {"what": error.what, "hint": error.cure, "field": field},
-            ) from None
+    try:
+        if text:
+            compile_context(text, precedes=told.field_name in {"after", "repeated"})
+    except ContextError as error:
+        raise PydanticCustomError(
+            "P118" if error.slow else "P117",
+            "`{name}` {what}",
+            {"what": error.what, "hint": error.cure, "name": told.field_name},
+        ) from None
+    return text
+
+
+ContextText = Annotated[str, AfterValidator(_context)]
+"""A regular expression for the text around a place."""
 
 
 class InterjectionSounds(Strict):
@@ -191,19 +195,14 @@ def _read_alike(spellings: tuple[str, ...]) -> tuple[str, ...]:
 class RankCase(Strict):
     """A case of ranks: where they have it, and their endings."""
 
-    before: str = ""
+    before: ContextText = ""
     """Expression for what follows the rank: a name in its case, `\\w+ovi(?!\\w)`, or none, `$`, so
     that the rank needs no name."""
-    after: str = ""
+    after: ContextText = ""
     """Expression for what precedes the rank, such as a preposition with its space."""
     endings: dict[Text, str] = Field(default={})
     """Ends of the words of ranks, or whole words, with those of the case; the longest that fits a
     word wins."""
-
-    @model_validator(mode="after")
-    def _usable(self) -> Self:
-        check_contexts({"before": self.before, "after": self.after})
-        return self
 
 
 class LanguageText(Strict):
@@ -264,7 +263,7 @@ class LanguageText(Strict):
     joins: tuple[Text, ...] = ()
     """Words between numbers that have the form of the last: with `und`, each of
     `am 3., 5. und 9. Mai` has that of `am 9. Mai`."""
-    repeated: dict[Text, str] = Field(default={})
+    repeated: dict[Text, ContextText] = Field(default={})
     """Signs that say the word before them again, as the Lao `ໆ`, each with an expression for it."""
     thousands: str = Field(default="", max_length=1)
     """The sign between the thousands of a number, where the engine misreads it: `.` of 25.000."""
@@ -297,12 +296,6 @@ class LanguageText(Strict):
             if isinstance(rules, RulesLike)
         }
         return full | made
-
-    @model_validator(mode="after")
-    def _repeated_is_usable(self) -> Self:
-        for expression in self.repeated.values():
-            check_contexts({"repeated": expression})
-        return self
 
 
 class SharedText(Strict):
