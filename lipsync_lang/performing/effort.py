@@ -33,6 +33,7 @@ VOWEL = "vowel"
 """Sound class of the sounds that carry stress."""
 
 SILENT_MANNER, CONSONANT_MANNER, VOWEL_MANNER = 0, 1, 2
+MANNERS = {"": SILENT_MANNER, VOWEL: VOWEL_MANNER}
 """Sound classes as numbers: silence, sounds without stress, and sounds that carry it."""
 
 RAMP_SECONDS = 0.08

@@ -349,10 +349,6 @@ class HeardLabels:
         first = max(bisect_right(self.starts, seconds) - 3, 0)
         return first - (first > 0 and first - 1 in begun)
 
-    def overlays(self) -> tuple[Overlay, ...]:
-        """Return the curve edits of the words."""
-        return tuple(one for word in self.words for one in word.overlays)
-
 
 def begun_trigrams(heard: HeardLabels, tables: Tables) -> frozenset[int]:
     """Return the sounds that begin a trigram, by index; -1 is the silence before the first."""

@@ -6,7 +6,7 @@ Remarks tell noise, sounds that are read by their features, and doubtful notatio
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -18,13 +18,7 @@ import numpy as np
 from lipsync_lang.base.arrays import Ints
 from lipsync_lang.base.errors import ScheduleError, did_you_mean, shortlist
 from lipsync_lang.packs.finding import IPA
-from lipsync_lang.performing.effort import (
-    CONSONANT_MANNER,
-    SILENT_MANNER,
-    VOWEL,
-    VOWEL_MANNER,
-    stresses_of,
-)
+from lipsync_lang.performing.effort import CONSONANT_MANNER, MANNERS, stresses_of
 from lipsync_lang.performing.label_sounds import UNMARKED, LabelSounds, LabelTable, sounds_of
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.text.phonology.g2p.tokens import plain
@@ -82,6 +76,19 @@ class LabelReader:
     unknown: Unknown = "nearest"
     paths: tuple[Path, ...] = ()
     shades: bool = True
+    _rivals: dict[tuple[int, str], tuple[set[str], set[str]]] = field(
+        default_factory=dict, init=False, repr=False
+    )
+    """Results of `rivals`, by the identity of the notation."""
+    _tables: dict[int, LabelTable] = field(default_factory=dict, init=False, repr=False)
+    """Labels of each notation, by its identity."""
+    _heard: WeakKeyDictionary[Schedule, LabelSounds] = field(
+        default_factory=WeakKeyDictionary, init=False, repr=False
+    )
+    """Sounds of schedules: a line that is performed and judged is read three times."""
+    _recognised: WeakKeyDictionary[Schedule, str] = field(
+        default_factory=WeakKeyDictionary, init=False, repr=False
+    )
 
     def read(self, schedules: Sequence[Schedule]) -> list[LabelSounds]:
         """Map the labels of schedules to common phonemes.
@@ -282,11 +289,6 @@ class LabelReader:
         return self._rivals[id(notation), label]
 
     @cached_property
-    def _rivals(self) -> dict[tuple[int, str], tuple[set[str], set[str]]]:
-        """Results of `rivals`, by the identity of the notation."""
-        return {}
-
-    @cached_property
     def _stressed(self) -> list[tuple[LabelSounds | None, Ints]]:
         """The line whose stresses were read last: the dial and the gestures both ask for them."""
         return [(None, np.zeros(0, np.intp))]
@@ -332,8 +334,7 @@ class LabelReader:
     @cached_property
     def manners(self) -> Ints:
         """(N,) of each common phoneme: 0 for silence, 2 for a vowel, 1 for other sounds."""
-        manners = {"": SILENT_MANNER, VOWEL: VOWEL_MANNER}
-        return np.array([manners.get(kind, CONSONANT_MANNER) for kind in self.kinds], np.intp)
+        return np.array([MANNERS.get(kind, CONSONANT_MANNER) for kind in self.kinds], np.intp)
 
     @cached_property
     def noises(self) -> frozenset[str]:
@@ -341,23 +342,9 @@ class LabelReader:
         return frozenset(normalise(label).casefold() for label in self.compiled.noises)
 
     @cached_property
-    def _tables(self) -> dict[int, LabelTable]:
-        """Labels of each notation, by its identity."""
-        return {}
-
-    @cached_property
     def numbers(self) -> dict[str, int]:
         """Number of each common phoneme."""
         return self.compiled.numbers(shades=self.shades)
-
-    @cached_property
-    def _heard(self) -> WeakKeyDictionary[Schedule, LabelSounds]:
-        """Cached sounds of schedules: a line that is performed and judged is read three times."""
-        return WeakKeyDictionary()
-
-    @cached_property
-    def _recognised(self) -> WeakKeyDictionary[Schedule, str]:
-        return WeakKeyDictionary()
 
     def _hint(self, label: str, notation: str) -> str:
         """Return a hint for an unknown label: a similar label, or the nearest IPA phoneme."""
@@ -461,12 +448,9 @@ def _noise(reader: LabelReader, schedule: Schedule) -> Iterator[str]:
     }
     if not noise:
         return
-    counts: Counter[str] = Counter()
-    seconds = 0.0
-    for label, start, end in zip(schedule.labels, schedule.times, schedule.times[1:], strict=False):
-        if label in noise:
-            counts[label] += 1
-            seconds += float(end - start)
+    counts = Counter(label for label in schedule.labels if label in noise)
+    both = zip(schedule.labels, np.diff(schedule.times).tolist(), strict=True)
+    seconds = sum(length for label, length in both if label in noise)
     named = (f"{label!r} ({n})" for label, n in counts.items())
     yield (
         f"{schedule.source}: noise or unreadable speech, during which the mouth rests for "

@@ -230,19 +230,15 @@ class PlayedPair:
     def styled_motion(self, blends: "Sequence[Blend]") -> Motion:
         """Return the motion of a line with the manner of moving of its styles."""
         names, drafts, motion = self.compiled.style_names, self.compiled.style_drafts, self.motion
-        scales = {"speed": 1.0, "softness": 1.0}
+        speed = softness = 1.0
         for blend in blends:
             draft, share = drafts.get(names[blend.style], {}), float(blend.share.values.max())
-            for part in scales:
-                scales[part] *= 1 + share * (draft.get(part, 1) - 1)
-        if scales == {"speed": 1.0, "softness": 1.0}:
+            speed *= 1 + share * (draft.get("speed", 1) - 1)
+            softness *= 1 + share * (draft.get("softness", 1) - 1)
+        if speed == softness == 1:
             return motion
-        limit = motion.speed_limit * scales["speed"]
-        return replace(
-            motion,
-            speed_limit=min(max(limit, SLOW_SPEED), motion.speed_limit),
-            softness=motion.softness * scales["softness"],
-        )
+        limit = min(max(motion.speed_limit * speed, SLOW_SPEED), motion.speed_limit)
+        return replace(motion, speed_limit=limit, softness=motion.softness * softness)
 
     @cached_property
     def labels(self) -> LabelReader:

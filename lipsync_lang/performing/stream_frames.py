@@ -13,16 +13,8 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.performing import gesturing
 from lipsync_lang.performing.effort import PRIMARY, VOWEL, StressMarks, ramped_level, vowel_level
-from lipsync_lang.performing.gesturing import (
-    MARKED_PROMINENCE,
-    PAUSE_SECONDS,
-    PAUSE_SETTLED_SECONDS,
-    pause_fact,
-    seed_after,
-    stand_out,
-    word_facts,
-)
 from lipsync_lang.performing.heard import HeardLabels, begun_trigrams, open_trigram
 from lipsync_lang.pipeline.gestures.laying import GestureSet
 from lipsync_lang.pipeline.gestures.placing import (
@@ -158,7 +150,8 @@ class StreamFrames:
         source = np.arange(len(ids))
         tables, motion, blends = self.tables, self.motion, self.blends
         track = lay_track(ids, bounds, source, tables, motion, blends, opening=opening)
-        dials, edits = (*self.dials, *self._effort(heard)), heard.overlays()
+        dials = (*self.dials, *self._effort(heard))
+        edits = tuple(one for word in heard.words for one in word.overlays)
         said = tables, track, motion, self.fps
         performance = perform(*said, overlays=edits, blends=blends, dials=dials, frames=frames)
         first = begin - low + more
@@ -241,9 +234,9 @@ class StreamGestures:
         self.reach = GestureReach.of(own, scales, fps)
         self._guarded = shared(own, scales)
         names = ("pause", "phrase_end", "stress", "emphasis", *own.triggers)
-        self._line = LineFacts(
-            0.0, inf, [], {name: [] for name in names}, [], [seed_after(0, "")], until=-inf
-        )
+        facts: dict[str, list[LineFact]] = {name: [] for name in names}
+        seeds = [gesturing.seed_after(0, "")]
+        self._line = LineFacts(0.0, inf, [], facts, [], seeds, until=-inf)
         self._kinds = [
             placing(number, shape, by, self._line)
             for number, (shape, by) in enumerate(zip(own.shapes, scales, strict=True))
@@ -345,13 +338,12 @@ class StreamGestures:
         line = self._line
         for word in heard.spoken:
             if self._known < word.start <= until:
-                for trigger in word_facts(self.own, word.text):
+                for trigger in gesturing.word_facts(self.own, word.text):
                     line.facts.setdefault(trigger, []).append(LineFact(word.start))
-        named = heard.spoken if self._by_words else heard.labels
-        for one in named:
+        for one in heard.spoken if self._by_words else heard.labels:
             if self._known < one.start <= until:
                 line.starts.append(one.start)
-                line.seeds.append(seed_after(line.seeds[-1], one.text))
+                line.seeds.append(gesturing.seed_after(line.seeds[-1], one.text))
 
     def _take_pauses(self, heard: HeardLabels, until: float, *, ended: bool) -> None:
         """Take in the pauses that begin by a time, and the phrases around them."""
@@ -361,11 +353,11 @@ class StreamGestures:
             if not self._known < begin <= until:
                 continue
             speaking = bool(phrases) and phrases[-1][1] == inf
-            if sound == heard.silence and end - begin >= PAUSE_SECONDS:
+            if sound == heard.silence and end - begin >= gesturing.PAUSE_SECONDS:
                 if speaking:
                     phrases[-1] = (phrases[-1][0], begin)
                     facts["phrase_end"].append(LineFact(begin))
-                facts["pause"].append(LineFact(pause_fact(begin, end)))
+                facts["pause"].append(LineFact(gesturing.pause_fact(begin, end)))
             elif not speaking:
                 phrases.append((begin, inf))
         if ended and phrases and phrases[-1][1] == inf:
@@ -384,14 +376,14 @@ class StreamGestures:
             stress = StressMarks(before[0]).of(label.mark, label.kind)
             length = (heard.until if label.end is None else label.end) - label.start
             raised = any(one.number <= number < one.stop for one in heard.spoken if one.emphasised)
-            prominence = length + MARKED_PROMINENCE * raised
+            prominence = length + gesturing.MARKED_PROMINENCE * raised
             self._vowels.append((label.start, prominence, stress == PRIMARY))
             if stress == PRIMARY and self._marked:
                 facts["stress"].append(LineFact(label.start))
         # without marks, any vowel may stand out
         vowels = [one for one in self._vowels if one[2] or not self._marked]
         begins = [begin for begin, _, _ in vowels]
-        for number in stand_out(begins, [prominence for _, prominence, _ in vowels]):
+        for number in gesturing.stand_out(begins, [prominence for _, prominence, _ in vowels]):
             if self._line.until < begins[number] <= placed:
                 facts["emphasis"].append(LineFact(begins[number]))
 
@@ -416,4 +408,4 @@ def _sure(heard: HeardLabels) -> float:
     if not heard.silent:
         return heard.labels[-1].start
     quiet = heard.starts[-1]
-    return heard.until if heard.until - quiet >= 2 * PAUSE_SETTLED_SECONDS else quiet
+    return heard.until if heard.until - quiet >= 2 * gesturing.PAUSE_SETTLED_SECONDS else quiet

@@ -3,7 +3,9 @@
 A performance records no trace. The explanation recomputes the stages for the frames near the time.
 """
 
+import json
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,19 +27,10 @@ if TYPE_CHECKING:
 VISIBLE = 5e-4
 """Minimum change of weight for an explanation."""
 
-DONE = {
-    "stitch": "the larger of the overlapping bigrams",
-    "overlay": "the character's own curve of this word or line",
-    "smooth": "a valley between two peaks is filled",
-    "switch": "one pose at a time, each for a minimum time",
-    "anticipate": "begins before its sound",
-    "ease": "rounded off",
-    "bend": "the line's own keys",
-    "rest": "brought to rest at the ends",
-    "limit": "held to the speed limit",
-    "soften": "rounded off",
-}
-"""Effect of each stage on a changed value; the others have specific explanations."""
+STAGE_WORDS: dict[str, dict[str, str]] = json.loads(
+    Path(__file__).with_name("stages.json").read_text("utf-8")
+)
+"""Label, colour and effect of each stage; a stage without an effect explains each value."""
 
 
 def explain(
@@ -186,7 +179,7 @@ class _TracedFrame:
             return held_reason(self.performer, self.performance, pose, self.frame)
         if stage == "constrain":
             return constraint_reason(self.performer, self.performance, pose, self.stages[stage])
-        return DONE.get(stage, "")
+        return STAGE_WORDS.get(stage, {}).get("effect", "")
 
 
 def held_reason(performer: "PlayedPair", performance: Performance, pose: int, frame: int) -> str:

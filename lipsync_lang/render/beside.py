@@ -9,16 +9,7 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.performing.performer import performer_of
-from lipsync_lang.render.plot import (
-    INK,
-    RULE,
-    SHOWN,
-    SILENT,
-    VISIBLE_WEIGHT,
-    draw,
-    text_width,
-    title_of,
-)
+from lipsync_lang.render import plot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,7 +34,7 @@ def plot_beside(animations: Sequence[Animation], stream: BinaryIO, format: str =
         if own.labels != first.labels or not np.array_equal(own.times, first.times):
             what = "the animations are of different lines"
             raise LipsyncError(f"{what}; give animations of the same schedule")
-    draw(lambda: _page(animations), stream, format)
+    plot.draw(lambda: _page(animations), stream, format)
 
 
 def _page(animations: Sequence[Animation]) -> "Figure":
@@ -51,16 +42,16 @@ def _page(animations: Sequence[Animation]) -> "Figure":
 
     schedule = animations[0].schedule
     begin = min(float(one.times[0]) for one in animations)
-    end = min(max(float(one.times[-1]) for one in animations), begin + SHOWN)
+    end = min(max(float(one.times[-1]) for one in animations), begin + plot.SHOWN)
     tops = [np.abs(one.weights).max(axis=0) for one in animations]
-    rows: list[list[int]] = [np.flatnonzero(top > VISIBLE_WEIGHT).tolist() for top in tops]
+    rows: list[list[int]] = [np.flatnonzero(top > plot.VISIBLE_WEIGHT).tolist() for top in tops]
     heights = [max(1, len(row)) * ROW for row in rows]
     named = [one.poses[pose] for one, row in zip(animations, rows, strict=True) for pose in row]
-    left = MARGIN + max((text_width(name, 8) for name in named), default=0.0)
+    left = MARGIN + max((plot.text_width(name, 8) for name in named), default=0.0)
     width = left + RIGHT + float(np.clip((end - begin) * PER_SECOND, WIDTH, MOST))
     height = HEAD + sum(heights) + GAP * len(heights) + FOOT
     figure = Figure(figsize=(width, height))
-    corner, title = (left / width, 1 - 0.1 / height), title_of(schedule)
+    corner, title = (left / width, 1 - 0.1 / height), plot.title_of(schedule)
     figure.text(*corner, title, size=12, weight="bold", va="top")
     top = height - HEAD
     for number, (one, row, tall) in enumerate(zip(animations, rows, heights, strict=True)):
@@ -75,7 +66,7 @@ def _page(animations: Sequence[Animation]) -> "Figure":
         if begin <= start < end:
             figure.axes[0].annotate(
                 " ".join(label.split()), ((start + stop) / 2, 0), (0, 17),
-                textcoords="offset points", ha="center", size=8, color=INK,
+                textcoords="offset points", ha="center", size=8, color=plot.INK,
             )  # fmt: skip
     return figure
 
@@ -94,6 +85,6 @@ def _face(axes: "Axes", animation: Animation, rows: Sequence[int], hue: str) -> 
     axes.spines[["left", "right", "top"]].set_visible(False)
     axes.xaxis.set_major_formatter("{x:g} s")
     bounds = animation.schedule.times
-    axes.vlines(bounds, 0, max(1, len(rows)), color=RULE, lw=0.5, zorder=0)
+    axes.vlines(bounds, 0, max(1, len(rows)), color=plot.RULE, lw=0.5, zorder=0)
     for start, stop in ((axes.get_xlim()[0], bounds[0]), (bounds[-1], axes.get_xlim()[1])):
-        axes.axvspan(start, stop, color=SILENT, lw=0, zorder=-1)
+        axes.axvspan(start, stop, color=plot.SILENT, lw=0, zorder=-1)

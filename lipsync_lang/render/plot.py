@@ -21,6 +21,7 @@ from lipsync_lang.base.arrays import Bools, Floats
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.base.extras import needing
 from lipsync_lang.performing.performer import PerformedLine
+from lipsync_lang.performing.trace import STAGE_WORDS
 from lipsync_lang.pipeline.motion import PRESETS, Motion
 from lipsync_lang.pipeline.perform import Stage
 from lipsync_lang.render.fonts import quiet_fonts, with_fonts
@@ -92,21 +93,7 @@ THINNED = 4  # stride through the tabulated steps of a bigram, for small files
 BIGRAMS = (("#d3e7f6", "#6ba6d3"), ("#f3e8c8", "#c2a54d"))
 """Fill and edge colours of alternate bigrams."""
 
-STAGES = {
-    "stitch": ("stitched", "#444444"),
-    "overlay": ("own words", "#c9b458"),
-    "dial": ("dialled", "#9c8fc9"),
-    "smooth": ("smoothed", "#66c4ab"),
-    "switch": ("one at a time", "#a9a38a"),
-    "anticipate": ("anticipated", "#d8c15a"),
-    "ease": ("eased", "#c3d7a4"),
-    "bend": ("bent", "#3f7f6f"),
-    "rest": ("brought to rest", "#b9b9b9"),
-    "hold": ("contacts held", "#dca2c2"),
-    "limit": ("speed limited", "#5fa4cf"),
-    "constrain": ("constrained", "#e88f55"),
-    "soften": ("softened", "#8fc9c9"),
-}
+STAGES = {name: (one["label"], one["colour"]) for name, one in STAGE_WORDS.items()}
 """Labels and colours of the stages (tints of Okabe and Ito's colour-blind safe palette)."""
 
 FINAL, INK = "black", "#333333"

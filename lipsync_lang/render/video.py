@@ -29,14 +29,12 @@ FRAME_PIXELS = 720
 """Side of a frame in pixels."""
 
 CODECS = {
-    "mp4": (
-        *("-c:v", "libx264", "-preset", "veryfast", "-crf", "18"),
-        *("-c:a", "aac", "-b:a", "160k", "-movflags", "+faststart"),
-    ),
-    "webm": (
-        *("-c:v", "libvpx-vp9", "-deadline", "realtime", "-cpu-used", "6", "-crf", "24", "-b:v"),
-        *("0", "-c:a", "libopus", "-b:a", "96k"),
-    ),
+    kind: tuple(options.split())
+    for kind, options in {
+        "mp4": "-c:v libx264 -preset veryfast -crf 18 -c:a aac -b:a 160k -movflags +faststart",
+        "webm": "-c:v libvpx-vp9 -deadline realtime -cpu-used 6 -crf 24 -b:v 0 "
+        "-c:a libopus -b:a 96k",
+    }.items()
 }
 """Encoder options of each file kind."""
 

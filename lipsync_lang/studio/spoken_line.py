@@ -12,13 +12,7 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import LipsyncError
-from lipsync_lang.schedules.phoneme_changes import (
-    PhonemeChange,
-    composed,
-    excerpt,
-    spread,
-    with_changes,
-)
+from lipsync_lang.schedules import phoneme_changes
 from lipsync_lang.schedules.schedule import MAX_EMPHASIS, SILENCE, Audio, Schedule, Word
 from lipsync_lang.text.phonology.emphasis import with_mark
 
@@ -37,7 +31,7 @@ class SpokenLine:
 
     def __init__(self, schedule: Schedule) -> None:
         self.whole = self.opened = schedule
-        self.changes: Sequence[PhonemeChange] = ()
+        self.changes: Sequence[phoneme_changes.PhonemeChange] = ()
         """Changed phonemes of the opened schedule."""
         self.at = schedule.start
         """A time within the shown part, in seconds."""
@@ -68,7 +62,8 @@ class SpokenLine:
         if self._part is None or self._part[:3] != (self.whole, first, stop):
             line = self.whole
             uncut = (first, stop) == (0, len(line))
-            self._part = line, first, stop, line if uncut else excerpt(line, first, stop)
+            part = line if uncut else phoneme_changes.excerpt(line, first, stop)
+            self._part = line, first, stop, part
         return self._part[3]
 
     def _span(self, seconds: float) -> tuple[int, int]:
@@ -78,7 +73,7 @@ class SpokenLine:
     @property
     def unmoved(self) -> Schedule:
         """The schedule as opened, with the changed phonemes."""
-        return with_changes(self.opened, self.changes)
+        return phoneme_changes.with_changes(self.opened, self.changes)
 
     def move(self, boundary: int, to: float, seconds: float, through: int | None = None) -> None:
         """Move a boundary, and those after it up to `through`, as far as both neighbours allow."""
@@ -108,9 +103,9 @@ class SpokenLine:
             raise LipsyncError(
                 f"there are no phonemes {span[0]} to {span[1] - 1}; the last is {stop - first - 1}"
             )
-        changes = composed(self.opened, self.changes, (low, high), labels)
-        made = with_changes(self.opened, changes)  # refuses a word without phonemes
-        times = spread(self.whole.times, low, high, len(labels))
+        changes = phoneme_changes.composed(self.opened, self.changes, (low, high), labels)
+        made = phoneme_changes.with_changes(self.opened, changes)  # refuses a word without phonemes
+        times = phoneme_changes.spread(self.whole.times, low, high, len(labels))
         self.changes = changes
         self.retime(replace(made, times=times, words=self._emphasised(made)))
 

@@ -13,15 +13,9 @@ from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.base.presentation.wording import short_place
-from lipsync_lang.performing.gesturing import (
-    BY_HAND,
-    laid_gestures,
-    placed_by_hand,
-    scales_of,
-    told_gesture,
-)
+from lipsync_lang.performing import gesturing
 from lipsync_lang.performing.performer import PerformedLine, Performer
-from lipsync_lang.performing.trace import DONE, VISIBLE, constraint_reason, held_reason
+from lipsync_lang.performing.trace import STAGE_WORDS, VISIBLE, constraint_reason, held_reason
 from lipsync_lang.pipeline.perform import Performance, Stage
 from lipsync_lang.pipeline.warp import locate
 from lipsync_lang.render.plot import STAGES
@@ -187,7 +181,7 @@ class _Stages:
                 "label": label,
                 "colour": colour,
                 "hatch": HATCHES.get(stage.name, 0),
-                "why": DONE.get(stage.name, ""),
+                "why": STAGE_WORDS.get(stage.name, {}).get("effect", ""),
                 "curves": [
                     pack.add(stage.curves[pose], "u2", WEIGHT_STEPS)
                     if changed[pose].any()
@@ -269,22 +263,24 @@ def gesture_data(animation: Animation) -> Json | None:
     if said is None:
         return None
     performer, settings = said.performer, said.settings
-    scales = scales_of(performer.compiled, settings["gestures"], settings["line"])
+    scales = gesturing.scales_of(performer.compiled, settings["gestures"], settings["line"])
     if scales is None:
         return None
     own, part = performer.gesture_set, animation.schedule
     whole = settings["whole"] or part
-    hands = placed_by_hand(performer, whole, settings["line"], settings["placed"])
+    hands = gesturing.placed_by_hand(performer, whole, settings["line"], settings["placed"])
     places = {(one.number, one.fact): n for n, one in enumerate(hands)}
-    laid = laid_gestures(said.performer, said.settings, animation)[1]
+    laid = gesturing.laid_gestures(said.performer, said.settings, animation)[1]
     rows = [
         {
             "name": own.shapes[placed.number].name,
             "at": round(placed.fact, 5),
             "begin": round(float(animation.times[one.first]), 5),
             "scale": round(placed.height / scales[placed.number], 3),
-            "why": told_gesture(own, one, animation),
-            "hand": places[placed.number, placed.fact] if placed.trigger == BY_HAND else -1,
+            "why": gesturing.told_gesture(own, one, animation),
+            "hand": places[placed.number, placed.fact]
+            if placed.trigger == gesturing.BY_HAND
+            else -1,
         }
         for one, placed in ((one, one.gesture) for one in laid)
     ]

@@ -20,6 +20,7 @@ from zlib import crc32
 
 from lipsync_lang.base.errors import OutputError
 from lipsync_lang.base.files.reach import is_reached
+from lipsync_lang.base.files.reading import MIB_BYTES
 from lipsync_lang.base.files.writing import atomic
 from lipsync_lang.production.builds.digests import output_digest, output_file_digest
 from lipsync_lang.production.builds.takes import TAKES_SUFFIX, archive_of, write_takes
@@ -44,7 +45,6 @@ ZIP_HEAD = struct.Struct("<4s22xHH")
 
 ZIP_START = b"PK\x03\x04"
 ENCRYPTED = 0x1
-BLOCK_BYTES = 2**20
 
 NewMember = Path | bytes
 
@@ -194,7 +194,7 @@ def put_member(archive: ZipFile, name: str, content: NewMember) -> None:
     # `ZipFile.open` decides by this size whether the header needs 64 bits.
     info.file_size = content.stat().st_size
     with content.open("rb") as source, archive.open(info, "w") as target:
-        copyfileobj(source, target, BLOCK_BYTES)
+        copyfileobj(source, target, MIB_BYTES)
 
 
 def _copy(archive: ZipFile, old: ZipInfo, source: BinaryIO) -> None:
@@ -219,7 +219,7 @@ def _copy(archive: ZipFile, old: ZipInfo, source: BinaryIO) -> None:
     out.write(info.FileHeader(zip64=max(info.file_size, info.compress_size) > ZIP64_LIMIT))
     left = info.compress_size
     while left:
-        block = source.read(min(left, BLOCK_BYTES))
+        block = source.read(min(left, MIB_BYTES))
         if not block:
             raise BadZipFile(f"'{old.filename}' ends early")
         out.write(block)

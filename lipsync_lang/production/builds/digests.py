@@ -9,14 +9,13 @@ from zlib import crc32
 
 import numpy as np
 
+from lipsync_lang.base.files.reading import MIB_BYTES
+
 VALUE_BYTES = 8
 """Length of a value's digest in bytes."""
 
 CONTENT_BYTES = 16
 """Length of the digest of a file's content in bytes."""
-
-BLOCK_BYTES = 2**20
-"""Number of bytes of a file to read at once."""
 
 
 def digest(*values: object) -> bytes:
@@ -47,7 +46,7 @@ def output_file_digest(path: Path) -> str:
     """Return the digest of an output that is a file of its own."""
     crc = size = 0
     with path.open("rb") as stream:
-        while block := stream.read(BLOCK_BYTES):
+        while block := stream.read(MIB_BYTES):
             crc, size = crc32(block, crc), size + len(block)
     return output_digest(crc, size)
 
@@ -57,7 +56,7 @@ def file_digest(path: Path) -> str:
     whole = blake2b(digest_size=CONTENT_BYTES)
     # Without a buffer: `hashlib.file_digest` fills one of 256 kB for each small file.
     with path.open("rb", buffering=0) as stream:
-        while block := stream.read(BLOCK_BYTES):
+        while block := stream.read(MIB_BYTES):
             whole.update(block)
     return whole.hexdigest()
 

@@ -96,7 +96,10 @@ class BuiltLine:
         """Category of the line in the counts of a build."""
         if self.outcome == "failed":
             return "failed"
-        return "over" if self.failed else "doubted" if self.doubted else "passed"
+        if self.failed:
+            return "over"
+        # only the face's own limits are left
+        return "passed" if all(one.passed for one in self.figures) else "doubted"
 
     @property
     def unsure(self) -> bool:
@@ -107,11 +110,6 @@ class BuiltLine:
     def failed(self) -> tuple[JudgedFigure, ...]:
         """The figures that exceed limits of the project, which fails the build."""
         return tuple(one for one in self.figures if one.binding and not one.passed)
-
-    @property
-    def doubted(self) -> tuple[JudgedFigure, ...]:
-        """The figures that exceed the face's own limits."""
-        return tuple(one for one in self.figures if not one.binding and not one.passed)
 
 
 def recorded_path(folder: Path, path: str) -> str:

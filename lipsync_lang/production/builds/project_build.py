@@ -29,6 +29,7 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.project import FILE, find_project, load_project
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults
 from lipsync_lang.performing.resolving import resolve
+from lipsync_lang.production.builds import timing_formats
 from lipsync_lang.production.builds.archives import split_archive
 from lipsync_lang.production.builds.digests import digest, file_digest
 from lipsync_lang.production.builds.faces import GLB
@@ -42,13 +43,6 @@ from lipsync_lang.production.builds.script import read_script
 from lipsync_lang.production.builds.script_faults import PlanningError, ScriptFaults
 from lipsync_lang.production.builds.script_files import PlanRemark
 from lipsync_lang.production.builds.timing import TIMERS
-from lipsync_lang.production.builds.timing_formats import (
-    check_files,
-    check_timing_formats,
-    formats_for,
-    open_project,
-    plain_formats,
-)
 from lipsync_lang.resolver.cache import compiler, folder
 from lipsync_lang.schedules.schedule import AT_REST
 from lipsync_lang.sound.speech.needed_extras import engines_of, missing_for, missing_words
@@ -200,7 +194,7 @@ class ProjectBuild:
             raise LipsyncError(
                 f"this folder has no {FILE}; `lipsync-lang new NAME` makes a folder with one"
             )
-        pack = open_project(found)
+        pack = timing_formats.open_project(found)
         project, folder = pack.model, found.absolute().parent
         chosen = Selection() if selection is None else selection
         faults = ScriptFaults(pack)
@@ -215,9 +209,10 @@ class ProjectBuild:
         fps = float(Fraction(project.fps)) if project.fps is not None else USUAL_FPS
         stated_fps = None if project.fps is None else fps
         once = project.glb.face == "once"
+        formats = timing_formats.plain_formats(project.timing_formats)
         settings = BuildSettings(
             fps, dict(project.limits), tts, project.gestures, project.idle or 0.0,
-            project.offset or 0.0, once, plain_formats(project.timing_formats), stated_fps,
+            project.offset or 0.0, once, formats, stated_fps,
         )  # fmt: skip
         made = cls(project, folder, lines, settings, {}, {}, chosen)
         made.resolve((*places, folder))
@@ -322,7 +317,7 @@ class ProjectBuild:
 def planning_faults(file: Path, paths: Iterable[Path] = ()) -> list[Fault]:
     """Return what keeps a project from being built, and warnings, as a build finds them."""
     pack = load_project(file)
-    if found := [*check_timing_formats(pack)]:
+    if found := [*timing_formats.check_timing_formats(pack)]:
         return found
 
     def keep(remark: str | Fault) -> None:
@@ -337,7 +332,7 @@ def planning_faults(file: Path, paths: Iterable[Path] = ()) -> list[Fault]:
         return found if pack.model.lines else [one for one in found if one.code == "P404"]
     reasons: dict[str, list[str]] = {}
     timed = map(Path, sorted({line.timings for line in build.lines if line.timings}))
-    found += check_files(pack, timed)
+    found += timing_formats.check_files(pack, timed)
     for (language, character), why in build.unsound.items():
         if isinstance(why, PackFaults):
             found += why.faults
@@ -352,14 +347,14 @@ def planning_faults(file: Path, paths: Iterable[Path] = ()) -> list[Fault]:
 def file_faults(files: Iterable[Path]) -> list[Fault]:
     """Return where formats of this folder's project do not fit files; LipsyncError without any."""
     project = find_project()
-    pack = None if project is None else open_project(project)
+    pack = None if project is None else timing_formats.open_project(project)
     for path in files:
-        if pack is None or not formats_for(pack.model, path):
+        if pack is None or not timing_formats.formats_for(pack.model, path):
             raise LipsyncError(
                 f"{path}: no pack, and the project here has no `timing_formats` or "
                 "`script_formats` for it; check the path, or state a format"
             )
-    return [] if pack is None else [*check_files(pack, files)]
+    return [] if pack is None else [*timing_formats.check_files(pack, files)]
 
 
 def adapted_pair(

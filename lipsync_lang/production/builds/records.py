@@ -48,7 +48,6 @@ CREATE TABLE IF NOT EXISTS line (
 ) WITHOUT ROWID;
 """
 
-
 SELECT_RESULT = "SELECT result FROM line WHERE language = ? AND character = ? AND name = ?"
 
 SELECT_LACKING = (

@@ -105,29 +105,27 @@ def _decoded(path: Path, data: mmap) -> TakesFile:
         raise ValueError("the checksum of its index is wrong")
     if crc32(memoryview(data)[takes:]) != body:
         raise ValueError("the checksum of its takes is wrong")
-    read = dict(_records(data, index, slots, _pose_names(data, poses)))
+    names, _ = _texts(data, TAKES_HEADER.size, poses)
+    if (longest := max(map(len, names), default=0)) > MAX_POSE_BYTES:
+        raise ValueError(f"the name of a pose has {longest:,} bytes")
+    read = dict(_records(data, index, slots, names))
     if len(read) != count:
         raise ValueError(f"it has {len(read):,} takes of {count:,}")
     return TakesFile(dict(sorted(read.items())), (base, result) if kind == PATCH_KIND else None)
-
-
-def _pose_names(data: mmap, count: int) -> list[bytes]:
-    names, at = [], TAKES_HEADER.size
-    for _ in range(count):
-        name, at = _text(data, at)
-        names.append(name)
-    if (longest := max(map(len, names), default=0)) > MAX_POSE_BYTES:
-        raise ValueError(f"the name of a pose has {longest:,} bytes")
-    return names
 
 
 def _head_crc(head: bytes) -> int:
     return crc32(head[HEAD_CRC_AT + 4 :], crc32(head[:HEAD_CRC_AT]))
 
 
-def _text(data: mmap | bytes, at: int) -> tuple[bytes, int]:
-    (length,) = TEXT_LENGTH.unpack_from(data, at)
-    return bytes(data[at + 2 : at + 2 + length]), at + 2 + length
+def _texts(data: mmap | bytes, at: int, count: int) -> tuple[list[bytes], int]:
+    """Return texts that follow each other, and the position after them."""
+    found = []
+    for _ in range(count):
+        (length,) = TEXT_LENGTH.unpack_from(data, at)
+        found.append(bytes(data[at + 2 : at + 2 + length]))
+        at += 2 + length
+    return found, at
 
 
 def _records(data: mmap, index: int, slots: int, names: list[bytes]) -> Iterator[tuple[str, bytes]]:
@@ -165,10 +163,7 @@ def _parted(take: bytes, name: str) -> tuple[list[bytes], bytes]:
     if take[: len(TAKE_MAGIC)] != TAKE_MAGIC:
         raise OutputError(f"'{name}' is not a take of version {TAKE_MAGIC[4]}")
     (count,) = TEXT_LENGTH.unpack_from(take, len(TAKE_MAGIC))
-    names, at = [], len(TAKE_MAGIC) + 2
-    for _ in range(count):
-        text, at = _text(take, at)
-        names.append(text)
+    names, at = _texts(take, len(TAKE_MAGIC) + 2, count)
     return names, take[at:]
 
 

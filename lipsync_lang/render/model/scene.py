@@ -49,20 +49,13 @@ MOMENTS = 24
 """Number of times sampled to find moving points."""
 
 
-class Gltf:
-    """A glTF document with its binary data."""
-
-    def __init__(self, model: Model, path: Path) -> None:
-        self.path, self.document = path, model.document
-        self.arrays = Accessors(model, path)
-
-    def image(self, number: int) -> bytes | None:
-        """Read a texture's image file; None if it is outside the model."""
-        row = self.document["textures"][number]
-        kinds = (row, *row.get("extensions", {}).values())
-        sources = [kind["source"] for kind in kinds if "source" in kind]
-        image = self.document["images"][sources[0]] if sources else {}
-        return self.arrays.view(image["bufferView"]) if "bufferView" in image else None
+def texture_image(document: Json, arrays: Accessors, number: int) -> bytes | None:
+    """Read a texture's image file; None if it is outside the model."""
+    row = document["textures"][number]
+    kinds = (row, *row.get("extensions", {}).values())
+    sources = [kind["source"] for kind in kinds if "source" in kind]
+    image = document["images"][sources[0]] if sources else {}
+    return arrays.view(image["bufferView"]) if "bufferView" in image else None
 
 
 def decoded(data: bytes) -> Texels | None:
@@ -121,7 +114,7 @@ class Material:
         return self.texture[row, column]
 
 
-def material(gltf: Gltf, row: Json) -> Material:
+def material(document: Json, arrays: Accessors, row: Json) -> Material:
     """Read a material; glTF's defaults fill missing properties."""
     surface = row.get("pbrMetallicRoughness", {})
     mode = row.get("alphaMode", "OPAQUE")
@@ -131,7 +124,7 @@ def material(gltf: Gltf, row: Json) -> Material:
     cutoff = {"OPAQUE": 0.0, "MASK": float(row.get("alphaCutoff", 0.5))}.get(mode, 0.5)
     return Material(
         np.array(surface.get("baseColorFactor", [1.0] * 4), float),
-        gltf.image(texture["index"]) if texture else None,
+        texture_image(document, arrays, texture["index"]) if texture else None,
         cutoff,
         bool(row.get("doubleSided")),
         1.0 - surface.get("roughnessFactor", 1.0),
@@ -195,8 +188,7 @@ class Scene:
 
     def __init__(self, path: Path, name: Path) -> None:
         self._model = read_model(path, bones=True)
-        self.gltf = Gltf(self._model, name)
-        self.document = self.gltf.document
+        self.document, self._arrays = self._model.document, Accessors(self._model, name)
         self.parts: list[Primitive] = []
         self._rows: list[tuple[Ints, Floats, Floats, Floats, Ints]] = []
         try:
@@ -228,16 +220,17 @@ class Scene:
         """(F,) material numbers."""
 
     def _read(self) -> None:
-        gltf, document = self.gltf, self.document
+        document, arrays = self.document, self._arrays
         animation = document["animations"][-1]
         self.sound: float = animation.get("extras", {}).get("audio_start", 0.0)
         """Start of the sound in seconds."""
-        self._tracks = dict(_tracks(self._model, gltf, animation))
+        self._tracks = dict(_tracks(self._model, arrays, animation))
         self.seconds = max(float(track.times[-1]) for track in self._tracks.values())
         """Duration in seconds."""
         self.order = parents(document)
         """Visible nodes with their parents, parents first."""
-        self.materials = [material(gltf, row) for row in [*document.get("materials", ()), {}]]
+        rows = [*document.get("materials", ()), {}]
+        self.materials = [material(document, arrays, row) for row in rows]
         for number in self.order:
             node = document["nodes"][number]
             if "mesh" in node:
@@ -247,18 +240,18 @@ class Scene:
 
     def _add(self, number: int, node: Json, mesh: Json, primitive: Json) -> None:
         """Add a primitive of a node."""
-        gltf, attributes = self.gltf, primitive["attributes"]
+        arrays, attributes = self._arrays, primitive["attributes"]
         mode = primitive.get("mode", TRIANGLES)
         if mode not in {TRIANGLES, STRIP, FAN} or "POSITION" not in attributes:
             return
-        gltf.arrays.unpack(primitive)
-        base = gltf.arrays[attributes["POSITION"]].astype(float)
+        arrays.unpack(primitive)
+        base = arrays[attributes["POSITION"]].astype(float)
         count, first = len(base), self.count
         if base.shape[1] != 3:  # noqa: PLR2004 of space
             raise ValueError("POSITION must have three values per point")
         corners = np.arange(count)
         if "indices" in primitive:
-            corners = gltf.arrays[primitive["indices"]][:, 0].astype(np.intp)
+            corners = arrays[primitive["indices"]][:, 0].astype(np.intp)
         triangles = _triangles(corners, mode)
         _check_below(triangles, count, "a triangle refers to a point that does not exist")
         shapes = len(primitive.get("targets", ()))
@@ -268,11 +261,11 @@ class Scene:
         weights = weights._replace(values=weights.values.reshape(len(weights.times), shapes))
         active = np.flatnonzero(np.abs(weights.values).max(axis=0, initial=0.0) > 0)
         targets = [primitive["targets"][target] for target in active]
-        gltf.arrays.spend(3 * count * len(active))
+        arrays.spend(3 * count * len(active))
         deltas = np.zeros((len(active), count, 3))
         for row, target in zip(deltas, targets, strict=True):
             if "POSITION" in target:
-                row[:] = gltf.arrays[target["POSITION"]]
+                row[:] = arrays[target["POSITION"]]
         if not (np.isfinite(base).all() and np.isfinite(deltas).all()):
             raise ValueError("a point has a position that is not a finite number")
         points = slice(first, first + count)
@@ -294,10 +287,10 @@ class Scene:
         skin = self.document["skins"][node["skin"]]
         inverse = np.tile(np.eye(4), (len(skin["joints"]), 1, 1))
         if "inverseBindMatrices" in skin:
-            inverse = self.gltf.arrays[skin["inverseBindMatrices"]].reshape(-1, 4, 4)
+            inverse = self._arrays[skin["inverseBindMatrices"]].reshape(-1, 4, 4)
         sets = [one for one in range(8) if f"JOINTS_{one}" in attributes]
-        bones = np.hstack([self.gltf.arrays[attributes[f"JOINTS_{one}"]] for one in sets])
-        shares = np.hstack([self.gltf.arrays[attributes[f"WEIGHTS_{one}"]] for one in sets])
+        bones = np.hstack([self._arrays[attributes[f"JOINTS_{one}"]] for one in sets])
+        shares = np.hstack([self._arrays[attributes[f"WEIGHTS_{one}"]] for one in sets])
         _check_below(bones, len(skin["joints"]), "a point is bound to a bone that does not exist")
         total = shares.sum(axis=1, keepdims=True)
         # Exporters round the shares, and some write sums that are far from 1.
@@ -308,7 +301,7 @@ class Scene:
         self, attributes: Json, count: int, material: Material
     ) -> tuple[Floats, Floats, Floats]:
         """Read the normals, colours and texture coordinates of points."""
-        arrays = {n: self.gltf.arrays[attributes[n]] for n in LOOKS if n in attributes}
+        arrays = {n: self._arrays[attributes[n]] for n in LOOKS if n in attributes}
         for name, values in arrays.items():
             if values.shape[0] != count or values.shape[1] not in LOOKS[name]:
                 raise ValueError(f"{name} does not match the points of its mesh")
@@ -420,10 +413,10 @@ def _check_below(numbers: Array, count: int, otherwise: str) -> None:
 
 
 def _tracks(
-    model: Model, gltf: Gltf, animation: Json
+    model: Model, arrays: Accessors, animation: Json
 ) -> Iterator[tuple[tuple[int, str], KeyTrack]]:
     """Yield the animated properties of nodes with their values."""
-    for drive in drives(model, gltf.arrays, animation):
+    for drive in drives(model, arrays, animation):
         times, values = drive.times, drive.values
         if len(times) == 1:
             times, values = times + np.array([0.0, 1.0]), np.vstack([values, values])

@@ -190,15 +190,11 @@ def _drafted(curves: Mapping[int, Floats], draft: Mapping[str, Any]) -> dict[int
     # A style may move poses that the neutral bigram leaves at rest.
     flat = np.array([[0.0, 0.0], [1.0, 0.0]])
     shifted = {pose: curves.get(pose, flat) for pose in np.flatnonzero(draft["offset"]).tolist()}
-    return {
-        pose: np.column_stack(
-            (
-                points[:, 0],
-                np.clip(points[:, 1] * draft["scale"][pose] + draft["offset"][pose], 0, 1),
-            )
-        )
-        for pose, points in {**curves, **shifted}.items()
-    }
+    found = {}
+    for pose, points in {**curves, **shifted}.items():
+        values = points[:, 1] * draft["scale"][pose] + draft["offset"][pose]
+        found[pose] = np.column_stack((points[:, 0], np.clip(values, 0, 1)))
+    return found
 
 
 def _ghosts(packs: PairPacks, row: BigramRow, pair: Pair) -> Iterator[Json]:

@@ -4,10 +4,11 @@ from hashlib import blake2b
 
 import pytest
 
-from lipsync_lang.production.builds.digests import BLOCK_BYTES, CONTENT_BYTES, file_digest
+from lipsync_lang.base.files.reading import MIB_BYTES
+from lipsync_lang.production.builds.digests import CONTENT_BYTES, file_digest
 
 
-@pytest.mark.parametrize("size", [0, 1, BLOCK_BYTES, BLOCK_BYTES + 1])
+@pytest.mark.parametrize("size", [0, 1, MIB_BYTES, MIB_BYTES + 1])
 def test_the_digest_of_a_file_is_that_of_its_content(tmp_path, size):
     content = bytes(range(256)) * (size // 256) + b"x" * (size % 256)
     (tmp_path / "a").write_bytes(content)
