@@ -138,13 +138,14 @@ def solve_looks(library: Library, name: str, model: Path | None) -> PackDraft:
         The set states no looks, is no part of this folder, or somebody wrote the file by hand.
     """
     pack, common = library.poseset(name), library.common().model
-    made, path = pack.model, pack.path.with_name("targets.yaml")
+    made, path = pack.model, pack.path.resolve().with_name("targets.yaml")
     optional = (*made.optional_poses,)
     if not made.looks:
         what = "states no looks; call the targets that are to be solved `looks`"
         raise PackError(f"{pack.path}: {what}")
-    if not path.resolve().is_relative_to(Path.cwd()):
+    if not path.is_relative_to(Path.cwd()):
         raise PackError(f"{pack.path}: lies outside this folder; copy the pose set to posesets/")
+    path = path.relative_to(Path.cwd())
     head = f"# Targets of {name}, solved on "
     if path.exists() and not path.read_text("utf-8").startswith(head):
         raise PackError(f"{path}: was written by hand, so it stays; move it away first")
