@@ -41,7 +41,7 @@ class ChannelPlaces:
     doubts: tuple[str, ...] = ()
     """Descriptions of ambiguous matches, and of shapes that move no point."""
     still: frozenset[str] = frozenset()
-    """Channels whose shapes move no point, on a model of which others do."""
+    """Channels whose shapes move no point."""
     bound: dict[str, dict[str, float]] = field(default_factory=dict)
     """Found channel -> the weights of its shapes, where an expression of an avatar binds them."""
 
@@ -62,18 +62,16 @@ def find(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
             shared[shape] = tuple(channels[number].name for number in numbers)
         doubts.update(dict.fromkeys(on.doubts))
     still = still_shapes(model)
-    lost = {name: shapes for name, shapes in places.items() if shapes.keys() <= still}
-    if lost:
-        shapes = [shape for own in lost.values() for shape in own]
+    dead = {name: shapes for name, shapes in places.items() if shapes.keys() <= still}
+    if dead:
+        shapes = [shape for own in dead.values() for shape in own]
         doubts[f"on the mesh, nothing moves with {some(shapes)}"] = None
-    # If every shape is still, the mesh tells nothing, and the names count.
-    dead = frozenset(lost if len(still) < len(model.shape_names) else ())
     places = {name: shapes for name, shapes in places.items() if name not in dead}
     for channel in channels:
         if channel.node in model.nodes:
             places[channel.name] = {str(channel.node): None}
     found = {name: (*own,) for name, own in places.items()}
-    return ChannelPlaces(found, shared, (*doubts,), dead, bound)
+    return ChannelPlaces(found, shared, (*doubts,), frozenset(dead), bound)
 
 
 def mouth_gains(channels: Sequence[Channel], model: Model) -> Floats | None:
@@ -163,10 +161,13 @@ class FaceOnModel:
         """Raise a ModelError if no pose of the set opens the mouth of the model."""
         path, mend = self.model.path, "keep the declared targets with `mouth: declared`"
         if self.gains is None:
-            if self.wide and self.wide <= self.found.still and not measured(self.model):
+            still = still_shapes(self.model)
+            dead = 0 < len(still) == len(self.model.shape_names) and not self.found.places
+            if not measured(self.model) and (dead or frozenset() < self.wide <= self.found.still):
+                lost = [name for name in self.model.shape_names if name in still]
                 raise ModelError(
-                    f"{path}: no shape opens the mouth: {'; '.join(self.found.doubts)}. Sculpt "
-                    f"these, or {mend} in a character"
+                    f"{path}: no shape opens the mouth: on the mesh, nothing moves with "
+                    f"{some(lost)}. Sculpt these, or {mend} in a character"
                 )
         elif (most := self.gains[0].max(initial=0.0)) < LEAST_MOUTH:
             widest, seen = max(measured(self.model).items(), key=lambda one: one[1].aperture)

@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from lipsync_lang.base.errors import PackError
+from lipsync_lang.base.errors import ModelError, PackError
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.faces.rigs.driver import Driver
 from lipsync_lang.faces.rigs.face_on_model import ChannelPlaces, FaceOnModel
-from lipsync_lang.faces.rigs.model import Model
+from lipsync_lang.faces.rigs.model import Model, some
 from lipsync_lang.faces.rigs.read_outs import measured, still_shapes
 
 if TYPE_CHECKING:  # workers measure mouths without the models of packs
@@ -186,7 +186,7 @@ def recognise(library: "Library", model: Model) -> tuple[Match, ...]:
     Matches that open the mouth on the mesh come first. Then the number of poses shown as themselves
     decides the order, but three lost poses outweigh a shown one. Among equals, a pose set without a
     rig comes first. Empty matches are left out. Invalid packs are skipped, because `validate`
-    reports their faults.
+    reports their faults. A ModelError refuses a model whose shapes all move no point.
     """
     found: list[Match] = []
     for name in dict.fromkeys(one.name for one in library.names("poseset")):
@@ -194,6 +194,9 @@ def recognise(library: "Library", model: Model) -> tuple[Match, ...]:
             found += _matches(library, library.poseset(name).model, model)
         except PackError:
             continue
+    if not found and 0 < len(still_shapes(model)) == len(model.shape_names):
+        told = f"{model.path}: on the mesh, nothing moves with {some(model.shape_names)}"
+        raise ModelError(f"{told}. Sculpt these shapes, and export the model again")
     return tuple(sorted(found, key=lambda match: match.rank))
 
 

@@ -57,10 +57,33 @@ def test_a_dead_jaw_without_another_set_is_told_and_fails_the_check(tmp_path, mo
     assert check(ll.resolve("english", whole).perform(SCHEDULE))["unopened"].verdict == "ok"
 
 
-def test_a_face_without_any_moving_shape_keeps_its_names(tmp_path, best):
-    match = best(face(tmp_path / "head.glb", *VROID, dead=VROID))
-    assert match.name == "vrm"
-    assert match.found.doubts
+@pytest.mark.parametrize("shapes", [VROID, ARKIT, ("mine",)])
+def test_a_head_all_of_whose_shapes_are_still_is_refused_by_every_command(
+    cli, tmp_path, monkeypatch, shapes
+):
+    monkeypatch.chdir(tmp_path)
+    face(tmp_path / "head.glb", *shapes, dead=shapes)
+    Path("line.tsv").write_text("0\t0.2\tM\n0.2\t0.4\tAA\n")
+    Path("characters").mkdir()
+    line = ("-l", "english", "--schedule", "line.tsv")
+    for fields, who in (
+        ("", "head.glb"),
+        ("rig: facefx-to-arkit\nposeset: facefx\n", "anna"),
+        ("poseset: arkit\n", "anna"),
+        ("mouth: declared\nposeset: vrm\n", "anna"),
+    ):
+        own = f"kind: character\nformat: 1\nname: anna\nmodel: ../head.glb\n{fields}"
+        Path("characters/anna.yaml").write_text(own)
+        for command in (
+            ("run", *line, "-c", who, "-o", "line.csv"), ("check", *line, "-c", who),
+            ("characters", "new", "bea", "--model", "head.glb"),
+        ):  # fmt: skip
+            ended = cli(*command)
+            asked = "declared" in fields and command[0] != "characters"
+            assert (ended.code == 2) != asked, (command, fields, ended)
+            told = asked or f"on the mesh, nothing moves with {shapes[0]}" in ended.err
+            assert told, (command, fields, ended)
+        assert Path("line.csv").exists() == ("declared" in fields)
 
 
 VOWELS = {f"viseme_{name}": name for name in ("aa", "O", "E", "I", "U")}
