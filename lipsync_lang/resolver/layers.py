@@ -143,16 +143,22 @@ class PairPacks:
         shown = face_on_model(self.library, self.character, self.poseset, on)
         if shown is None:
             return self
-        made = replace(self, doubts=shown.doubts)
+        told = [f"{shown.model.path}: {doubt}" for doubt in shown.doubts]
+        made = replace(self, doubts=(*told,))
         asked = who.mouth or stated_mouth(self.library.project)
         if asked == "declared" or (not on and str(shown.model.path) == model_file(self.poseset)):
             return made
-        shown.refuse_shut()
+        kept = shown.honest()
+        kept.refuse_shut()
         if (asked or shown.poseset.mouth) == "declared":
             return made
-        face = shown.poseset.model_copy(update={"reach": who.reach or shown.poseset.reach})
-        solved = solved_face(replace(shown, poseset=face), self.mouths | who.mouths, self.likes)
-        return replace(made, solved=solved, doubts=(*shown.doubts, *shown.unsolved))
+        face = kept.poseset.model_copy(update={"reach": who.reach or shown.poseset.reach})
+        solved = solved_face(replace(kept, poseset=face), self.mouths | who.mouths, self.likes)
+        told += shown.unsolved
+        if shown.resting:
+            told.append(f"{shown.model.path}: solved without {', '.join(sorted(shown.resting))}")
+        poseset = replace(self.poseset, model=kept.poseset)
+        return replace(made, solved=solved, poseset=poseset, doubts=(*told,))
 
     def refuse_faults(self) -> None:
         """Raise an error with every fault that prevents a performance of these packs.

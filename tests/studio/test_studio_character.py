@@ -284,7 +284,7 @@ def test_a_mouth_of_the_character_is_solved_again_and_undone(tmp_path):
         told = {one["name"]: one for one in caller.api("character").json["mouths"]}
         return told["aa"]["own"], told["aa"]["steps"], len(told["ow"]["steps"])
 
-    usual, before = [{"aperture": 0.24, "width": -0.01, "firm": 1.2}], bits(workshop)
+    usual, before = [{"aperture": 0.24, "width": -0.009, "firm": 1.2}], bits(workshop)
     assert shown() == (False, usual, 2)
     wide = {"aperture": 0.5, "width": 0.02}
     edit = {"file": "character", "at": ["mouths", "aa"], "value": wide}

@@ -5,8 +5,8 @@ judged by what it does, beside the `measures` of the pose set.
 """
 
 from collections import defaultdict
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
@@ -28,6 +28,15 @@ from lipsync_lang.faces.rigs.shape_matching import on_mesh
 
 if TYPE_CHECKING:  # workers measure mouths without the models of packs
     from lipsync_lang.packs import models
+
+OFF_SHARE = 0.7
+"""Error of a misnamed shape, which moves the mouth the wrong way, as a share of the farthest."""
+
+WRONG_SHARE = 0.25
+"""Smallest movement of a misnamed shape, as a share of the farthest of the model."""
+
+WAYS = {"aperture": ("opens", "shuts"), "width": ("widens", "narrows")}
+"""Measures by which shapes are judged, in words for more of it and for less."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,19 +146,52 @@ class FaceOnModel:
         pairs = zip(self.channels, moved, strict=True)
         return frozenset(one.name for one, way in pairs if 0 < way == max(moved))
 
+    @cached_property
+    def misnamed(self) -> dict[str, str]:
+        """Poses that move the mouth unlike the `measures` of the set, each with what they do.
+
+        A pose without a width may have any, and one without an aperture should not open the mouth.
+        """
+        moved, told = measured(self.model), {}
+        widest = max(moved, key=lambda name: moved[name].aperture, default="")
+        for measure, way in WAYS.items():
+            stated = self.poseset.measures.get(measure, {})
+            most = max((abs(getattr(one, measure)) for one in moved.values()), default=0.0)
+            if self.gains is None or not any(stated.values()) or most < LEAST_MOUTH:
+                continue
+            gains = self.gains[SOUND_MEASURES.index(measure)]
+            for pose, does in zip(self.poseset.poses, gains / most, strict=True):
+                asked = stated.get(pose, 0.0) / max(map(abs, stated.values()))
+                far = min(abs(does) / WRONG_SHARE, abs(does - asked) / OFF_SHARE) > 1
+                off = far and does * asked <= 0 and (asked != 0 or measure == "aperture")
+                size, named = abs(does) * most, some(self.found.places.get(pose, (pose,)))
+                what = f"{named} {way[int(does < 0)]} the mouth by {size:.2f} of its width"
+                if measure == "aperture" and asked == 1 and does * most < LEAST_MOUTH:
+                    size = moved[widest].aperture
+                    off = bool(self.wide & self.found.places.keys()) and size >= LEAST_MOUTH
+                    other = f"but {widest} parts the lips by {size:.2f} of its width"
+                    what = f"{named} hardly opens the mouth, {other}"
+                if off:
+                    told[pose] = f"on the mesh, {what}: check the names of the shapes"
+        return told
+
+    @cached_property
+    def resting(self) -> frozenset[str]:
+        """Misnamed poses, and their counterparts of the other side, which move alike."""
+        pairs = [self.poseset.mirrors(part).items() for part in self.poseset.mirrored]
+        twins = [{*both} for one in pairs for both in one if self.misnamed.keys() & {*both}]
+        return frozenset(self.misnamed).union(*twins)
+
+    def honest(self) -> Self:
+        """Return the face with misnamed poses at rest, in its pose set as well."""
+        kept = [pose not in self.resting for pose in self.poseset.poses]
+        poseset = without(self.poseset, self.resting)
+        return replace(self, poseset=poseset, driven=self.driven * kept)
+
     @property
     def doubts(self) -> tuple[str, ...]:
-        """Doubtful matches, dead shapes, and a widest pose that hardly opens the mouth."""
-        moved, told = measured(self.model), [*self.found.doubts]
-        widest = max(moved, key=lambda name: moved[name].aperture, default="")
-        every = [shape for name in self.wide for shape in self.found.places.get(name, ())]
-        own = [shape for shape in every if shape in moved]
-        if own and max(moved[n].aperture for n in own) < LEAST_MOUTH <= moved[widest].aperture:
-            told.append(
-                f"on the mesh, {some(own)} hardly opens the mouth, but {widest} parts the lips by "
-                f"{moved[widest].aperture:.2f} of its width: check the names of the shapes"
-            )
-        return tuple(f"{self.model.path}: {doubt}" for doubt in told)
+        """Doubtful matches, dead shapes, and misnamed ones."""
+        return (*self.found.doubts, *dict.fromkeys(self.misnamed.values()))
 
     @property
     def unsolved(self) -> tuple[str, ...]:
@@ -177,3 +219,19 @@ class FaceOnModel:
                 f"{widest}, by {seen.aperture:.3f}. Make those that open it poses with "
                 f"`lipsync-lang posesets new`, or {mend} in a character"
             )
+
+
+def without(poseset: "models.PoseSet", resting: Collection[str]) -> "models.PoseSet":
+    """Return a pose set with some poses at rest, in targets, looks, contacts and styles."""
+
+    def kept(one: Any) -> Any:
+        if isinstance(one, tuple):
+            return tuple(map(kept, one))
+        left = {}
+        for name in {"weights", "floor", "offset", "posture"} & type(one).model_fields.keys():
+            left[name] = {p: w for p, w in getattr(one, name).items() if p not in resting}
+        return one.model_copy(update=left)
+
+    parts = {part: getattr(poseset, part) for part in ("targets", "looks", "contacts", "styles")}
+    made = {part: {n: kept(one) for n, one in own.items()} for part, own in parts.items()}
+    return poseset.model_copy(update=made) if resting else poseset

@@ -243,8 +243,8 @@ def _played(face: FaceOnModel) -> ChannelPlaces:
     bound = {shape for mesh in face.model.meshes for _, shape, _ in mesh.binds}
     if any(moved[shape].aperture > 0 for shape in bound & moved.keys()):
         own = {name: shapes for name, shapes in found.places.items() if name in found.bound}
-        return replace(found, places=own)
-    return found
+        found = replace(found, places=own)
+    return replace(found, doubts=face.doubts)
 
 
 def _opens(face: FaceOnModel, found: ChannelPlaces) -> bool:

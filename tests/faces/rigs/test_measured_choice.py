@@ -1,14 +1,20 @@
 """Pose sets are chosen by what the shapes of a model do, and a warning names dead shapes."""
 
 import json
+import re
 import struct
 from pathlib import Path
 
+import face_models
+import numpy as np
 import pytest
-from face_models import ARKIT, OCULUS, VROID, face
+from face_models import ACROSS, ARKIT, OCULUS, VROID, face, moved
+from hypothesis import given
+from hypothesis import strategies as st
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation_writers import WRITERS
+from lipsync_lang.faces.rigs.face_on_model import FaceOnModel, without
 from lipsync_lang.faces.rigs.model import read_model
 from lipsync_lang.faces.rigs.read_outs import read_outs
 from lipsync_lang.faces.rigs.recognise import recognise
@@ -246,3 +252,98 @@ def test_a_head_that_no_pose_opens_is_refused_on_every_kind_of_face(
         assert "`mouth: declared` in a character" in ended.err
         anna(f"{fields}mouth: declared\n", "jawOpen", shapes=shapes)
         assert cli(*line).code == 0
+
+
+SMILE = 0.2
+"""How far the shapes of smiles and stretches widen the mouth of a made head, each on its side."""
+
+
+@pytest.fixture
+def human(tmp_path, monkeypatch):
+    """Write a made head whose shapes also widen and narrow the mouth; some have others' names."""
+
+    def moves(name, dead=()):
+        offsets = moved(name, dead)
+        way = {"mouthSmile": SMILE, "mouthStretch": SMILE, "mouthPucker": -SMILE}.get(
+            name.removesuffix("Left").removesuffix("Right"), 0.0
+        )
+        sides = [side for side, other in ((1, "Right"), (-1, "Left")) if not name.endswith(other)]
+        for side in sides if name not in dead else ():
+            offsets[:22, 0] += way * np.tile(np.clip(2 * side * ACROSS, 0, 1), 2) * side
+        return offsets
+
+    monkeypatch.setattr(face_models, "moved", moves)
+
+    def write(renamed, *shapes, dead=()):
+        path = tmp_path / "head.glb"
+        other = renamed | {two: one for one, two in renamed.items()}
+        path.write_bytes(changed(face(path, *shapes, dead=dead).read_bytes(), (), other))
+        return path
+
+    return write
+
+
+MISNAMED = [
+    ({"mouthPucker": "mouthStretchLeft"}, {"mouthPucker", "mouthStretchLeft", "mouthStretchRight"}),
+    ({"mouthPucker": "mouthSmileLeft"}, {"mouthPucker"}),
+    ({"jawOpen": "mouthFunnel"}, {"jawOpen"}),
+    ({}, set()),
+]
+
+
+@pytest.mark.parametrize(("renamed", "resting"), MISNAMED)
+def test_a_misnamed_shape_is_left_out_and_named(human, tmp_path, monkeypatch, renamed, resting):
+    path = human(renamed, *ARKIT)
+    performer = ll.resolve("english", path)
+    idle = "\n".join(performer.compiled.report.idle)
+    assert (f"solved without {', '.join(sorted(resting))}" in idle) == bool(resting)
+    for one in resting - {"mouthStretchRight"}:
+        assert re.search(rf"on the mesh, {one} (hardly|widens|narrows)", idle), idle
+    columns = [performer.poses.index(one) for one in resting]
+    tables = performer.compiled.tables
+    assert not tables.neutral.curves[..., columns].any()
+    assert tables.neutral.curves.any(axis=(0, 1)).sum() > 5 - len(resting)
+    # declared targets are kept as they are
+    monkeypatch.chdir(tmp_path)
+    Path("lipsync.yaml").write_text("kind: project\nformat: 1\nmouth: declared\n")
+    kept = ll.resolve("english", path).compiled
+    assert not resting or kept.tables.neutral.curves[..., columns].any()
+    assert "solved without" not in "\n".join(kept.report.idle)
+
+
+def test_a_head_that_opens_only_by_a_misnamed_shape_is_refused(tmp_path):
+    path = exchanged(tmp_path / "head.glb", "jawOpen", "mouthSmileLeft", *ARKIT)
+    with pytest.raises(ll.ModelError, match=r"arkit opens the mouth: the widest .* 0\.000"):
+        ll.resolve("english", path)
+
+
+def test_misnamed_shapes_are_named_beside_their_character(cli, anna, tmp_path):
+    anna("poseset: arkit\n")
+    exchanged(tmp_path / "characters" / "head.glb", "jawOpen", "mouthFunnel", *ARKIT)
+    told = "head.glb: on the mesh, jawOpen hardly opens the mouth"
+    ended = cli("explain", "-l", "english", "-c", "anna", "--schedule", "line.tsv", "--at", "0.3")
+    assert told in ended.err
+    assert "solved without jawOpen" in ended.err
+
+
+def test_no_shape_of_a_good_head_is_misnamed(data):
+    shipped = Library().find("poseset", "arkit").parent.parent.glob("*/model.glb")
+    models = [data / "rigs" / "head_arkit52_oculus15.glb", *shipped]
+    for path in models:
+        for found in Library().names("poseset"):
+            shown = FaceOnModel.of(Library().poseset(found.name).model, read_model(path))
+            assert not shown.misnamed, (path, found.name)
+
+
+@given(st.sets(st.sampled_from([*Library().poseset("arkit").model.poses])))
+def test_poses_at_rest_are_in_no_target_contact_or_style(resting):
+    poseset = Library().poseset("arkit").model
+    kept = without(poseset, resting)
+    assert kept.poses == poseset.poses
+    for name, steps in poseset.targets.items():
+        for step, left in zip(steps, kept.targets[name], strict=True):
+            assert left.weights == {p: w for p, w in step.weights.items() if p not in resting}
+    floors = [contact.floor.keys() for contact in kept.contacts.values()]
+    floors += [(one.offset | one.posture).keys() for one in kept.styles.values()]
+    assert not any(own & resting for own in floors)
+    assert without(poseset, ()) == poseset
