@@ -113,4 +113,7 @@ def on_model(
     rig = None
     if match.rig is not None:
         rig = plain_rig(library, match.rig, library.poseset(match.poseset))
-    return replace(compiled, character=path.stem, rig=rig, model=str(path.resolve()))
+    told = (*compiled.report.idle, *(f"{path.absolute()}: {why}" for why in match.ahead))
+    report = replace(compiled.report, idle=told)
+    model = str(path.resolve())
+    return replace(compiled, character=path.stem, rig=rig, model=model, report=report)

@@ -129,6 +129,10 @@ class Match:
     """False if the shapes that should open the mouth do not, and others of the model do."""
     optional: tuple[str, ...] = ()
     """Optional poses of the set that the model has; they are among `poses`."""
+    dead: frozenset[str] = frozenset()
+    """The poses that should open the mouth farthest, if none of them moves a point."""
+    ahead: tuple[str, ...] = ()
+    """Why the best match comes before a pose set that the model knows; also among the doubts."""
 
     @property
     def shown(self) -> int:
@@ -197,7 +201,14 @@ def recognise(library: "Library", model: Model) -> tuple[Match, ...]:
     if not found and 0 < len(still_shapes(model)) == len(model.shape_names):
         told = f"{model.path}: on the mesh, nothing moves with {some(model.shape_names)}"
         raise ModelError(f"{told}. Sculpt these shapes, and export the model again")
-    return tuple(sorted(found, key=lambda match: match.rank))
+    ranked = sorted(found, key=lambda match: match.rank)
+    dead = {one.poseset: one.dead for one in ranked if one.enough and one.dead}
+    if dead and ranked[0].poseset not in dead:
+        lost = some(sorted(frozenset[str]().union(*dead.values())))
+        told = f"on the mesh, nothing moves with {lost}, so {ranked[0].name} replaces {some(dead)}"
+        places = replace(ranked[0].found, doubts=(*ranked[0].found.doubts, told))
+        ranked[0] = replace(ranked[0], found=places, ahead=(told,))
+    return tuple(ranked)
 
 
 def _matches(library: "Library", poseset: "models.PoseSet", model: Model) -> Iterator[Match]:
@@ -213,7 +224,8 @@ def _matches(library: "Library", poseset: "models.PoseSet", model: Model) -> Ite
         lost = tuple(Loss(pose, 0, None, "") for pose in poses if pose not in found.places)
         missing, opens = tuple(loss.pose for loss in lost), _opens(face, found)
         left, shown = _left(model, found), (*poses, *optional)
-        yield Match(poseset.name, None, shown, found, missing, left, lost, opens, optional)
+        dead = face.wide if face.wide <= found.still else frozenset()
+        yield Match(poseset.name, None, shown, found, missing, left, lost, opens, optional, dead)
     known = {found.name for found in library.names("poseset")}
     for path in library.rigs_of(poseset.name):
         try:

@@ -283,6 +283,19 @@ def human(tmp_path, monkeypatch):
     return write
 
 
+def test_a_dead_jaw_beside_working_visemes_is_named(cli, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = face(tmp_path / "head.glb", *ARKIT, *OCULUS, dead={"jawOpen"})
+    Path("line.tsv").write_text("0\t0.2\tM\n0.2\t0.4\tAA\n")
+    told = "on the mesh, nothing moves with jawOpen, so oculus replaces arkit"
+    line = ("-l", "english", "-c", "head.glb", "--schedule", "line.tsv")
+    for command in (("run", *line, "-o", "line.csv"), ("run", *line, "-o", "line.csv")):
+        assert cli(*command).err.count(f"{path}: {told}") == 1
+    assert f"doubtful: {told}\n" in cli("characters", "new", "bea", "--model", "head.glb").err
+    face(tmp_path / "head.glb", *ARKIT, *OCULUS)
+    assert "replaces" not in cli("run", *line, "-o", "line.csv").err
+
+
 MISNAMED = [
     ({"mouthPucker": "mouthStretchLeft"}, {"mouthPucker", "mouthStretchLeft", "mouthStretchRight"}),
     ({"mouthPucker": "mouthSmileLeft"}, {"mouthPucker"}),
