@@ -264,9 +264,12 @@ def human(tmp_path, monkeypatch):
 
     def moves(name, dead=()):
         offsets = moved(name, dead)
-        way = {"mouthSmile": SMILE, "mouthStretch": SMILE, "mouthPucker": -SMILE}.get(
-            name.removesuffix("Left").removesuffix("Right"), 0.0
-        )
+        way = {
+            "mouthSmile": SMILE,
+            "mouthStretch": SMILE,
+            "mouthPress": 2 * SMILE,
+            "mouthPucker": -SMILE,
+        }.get(name.removesuffix("Left").removesuffix("Right"), 0.0)
         sides = [side for side, other in ((1, "Right"), (-1, "Left")) if not name.endswith(other)]
         for side in sides if name not in dead else ():
             offsets[:22, 0] += way * np.tile(np.clip(2 * side * ACROSS, 0, 1), 2) * side
