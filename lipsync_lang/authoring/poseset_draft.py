@@ -147,7 +147,7 @@ def solve_looks(library: Library, name: str, model: Path | None) -> PackDraft:
         raise PackError(f"{pack.path}: lies outside this folder; copy the pose set to posesets/")
     path = path.relative_to(Path.cwd())
     head = f"# Targets of {name}, solved on "
-    if path.exists() and not path.read_text("utf-8").startswith(head):
+    if path.exists() and not path.read_bytes().startswith(head.encode()):
         raise PackError(f"{path}: was written by hand, so it stays; move it away first")
     lines = [
         f"{head}{model and model.name}: the face at each sound without a model.",

@@ -49,6 +49,7 @@ def test_each_shape_is_one_spelling_and_one_of_them_is_rest(name):
 
 DRAWN_OTHERWISE = {
     ("oculus", "nn"): "n is drawn as DD, which is d, t and n",
+    ("oculus", "RR"): "r is solved with ou, whose lips are rounder",
     ("preston-blair", "U"): "w is drawn as WQ, whose lips are rounder",
 }
 """Reason why the phoneme of a (notation, shape) is drawn as another shape."""
