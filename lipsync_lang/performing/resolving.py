@@ -5,12 +5,12 @@ Each ordered pair of common phonemes of the language is looked up in the layers 
 request it is at rest there.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import refuse_other
-from lipsync_lang.packs.finding import Paths, is_model, located
+from lipsync_lang.packs.finding import Finder, Paths, is_model, located
 from lipsync_lang.performing.label_reader import Unknown
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.played_pair import Gaps
@@ -18,7 +18,7 @@ from lipsync_lang.resolver.compiled import CompiledPair
 from lipsync_lang.resolver.settings import motion_with
 
 if TYPE_CHECKING:
-    from lipsync_lang.resolver.rigging import OtherModel
+    from lipsync_lang.packs.library import Library
 
 
 def resolve(  # noqa: PLR0913 two names, and options by keyword
@@ -64,41 +64,38 @@ def resolve(  # noqa: PLR0913 two names, and options by keyword
     refuse_other("gaps", gaps, Gaps)
     refuse_other("unknown", unknown, Unknown)
     if is_model(character):
-        from lipsync_lang.packs.library import Library
-        from lipsync_lang.resolver.rigging import best_match, on_model
-
-        model = Path(character)
         (language,), folders = located(paths, language=language)
-        library = Library(folders)
-        match, on = best_match(library, model)
-        pair = _pair(language, match.poseset, folders, match.optional, on, cache=cache)
-        compiled = on_model(library, pair, match, model)
+        # another pose set may fit the model better
+        sets = (one.name for one in Finder(folders).names("poseset"))
+        key, made = " + ".join((str(Path(character).resolve()), *sets)), _on_model
     else:
         (language, character), folders = located(paths, language=language, character=character)
-        compiled = _pair(language, character, folders, cache=cache)
+        key, made = character, _pair
+    from lipsync_lang.resolver import cache as store
+
+    compiled = store.load(language, key, folders) if cache else None
+    if compiled is None:
+        from lipsync_lang.packs.library import Library
+
+        library = Library(folders)
+        compiled = made(library, language, str(character))
+        if cache:
+            store.save(compiled, language, key, library)
     moved = motion_with(compiled.motion, motion)
     return Performer(compiled, moved, unknown, folders, shades, gaps=gaps)
 
 
-def _pair(  # noqa: PLR0913 the names, and what a model adds
-    language: str,
-    character: str,
-    folders: Sequence[Path],
-    has: Sequence[str] = (),
-    on: "OtherModel | None" = None,
-    *,
-    cache: bool,
-) -> CompiledPair:
-    from lipsync_lang.resolver import cache as store
+def _pair(library: "Library", language: str, character: str) -> CompiledPair:
+    from lipsync_lang.resolver.compile import compile_pair
 
-    key = " + ".join((character, *has, *(map(str, on) if on else ())))
-    compiled = store.load(language, key, folders) if cache else None
-    if compiled is None:
-        from lipsync_lang.packs.library import Library
-        from lipsync_lang.resolver.compile import compile_pair
+    return compile_pair(library, language, character)
 
-        library = Library(folders)
-        compiled = compile_pair(library, language, character, has, on)
-        if cache:
-            store.save(compiled, language, key, library)
-    return compiled
+
+def _on_model(library: "Library", language: str, character: str) -> CompiledPair:
+    """Compile a language with the pose set that fits a model best."""
+    from lipsync_lang.resolver.compile import compile_pair
+    from lipsync_lang.resolver.rigging import best_match, on_model
+
+    match, on = best_match(library, Path(character))
+    pair = compile_pair(library, language, match.poseset, match.optional, on)
+    return on_model(library, pair, match, Path(character))

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from face_models import face
 from lanes import full
 from packs_tree import plant, put
 
@@ -19,11 +20,12 @@ import lipsync_lang as ll
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.pipeline.tables import Tables
-from lipsync_lang.resolver import cache
+from lipsync_lang.resolver import cache, rigging
 from lipsync_lang.resolver.compile import compile_pair
 
 SCHEDULE = ll.Schedule(("P", "Y", "no", "P"), [0, 0.1, 0.25, 0.4, 0.5], notation="first")
 PAIR = ("child", "anna")
+BETTER = "kind: poseset\nformat: 1\nname: better\nextends: face\nposes: {wide: {}, zz: {}}\n"
 
 
 @pytest.fixture
@@ -70,6 +72,20 @@ def assert_alike(one, other):
 
 
 # Warm
+
+
+@pytest.mark.usefixtures("store")
+def test_the_pose_set_of_a_model_is_chosen_once_until_another_fits_better(monkeypatch):
+    face(Path("head.glb"), "open", "wide", "zz")
+    first = ll.resolve("child", "head.glb").compiled
+    with monkeypatch.context() as patch:
+        patch.setattr(rigging, "best_match", None)
+        assert_alike(ll.resolve("child", "head.glb").compiled, first)
+    assert_alike(ll.resolve("child", "head.glb", cache=False).compiled, first)
+    put(Path(), "posesets/better/poseset.yaml", BETTER)
+    assert ll.resolve("child", "head.glb").compiled.poseset == "better" != first.poseset
+    face(Path("head.glb"), "open", "wide")
+    assert ll.resolve("child", "head.glb").compiled.poseset == first.poseset
 
 
 @pytest.mark.parametrize("pair", [PAIR, ("parent", "face"), ("qaa-XX", "anna")])
