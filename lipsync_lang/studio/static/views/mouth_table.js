@@ -32,8 +32,8 @@ export class MouthTable {
       made("section", { class: "rule-part" },
         made("h3", "Mouths"),
         made("p", { class: "note" }, "The mouth of each sound as a viewer sees it, in widths of the closed mouth. " +
-          "Targets that are solved on your model follow it; `firm` is how firmly the aperture is held (1). A change belongs to this character, " +
-          "and the face shows the sound that you are at."),
+          "Targets that are solved on your model follow it; `firm` is how firmly the aperture is held (1). " +
+          "A change belongs to this character, and the face shows the sound that you are at."),
         made("table", { class: "times mouths" }, made("thead", made("tr", ...heads)), this.body)),
     );
   }
