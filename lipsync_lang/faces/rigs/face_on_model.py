@@ -148,7 +148,7 @@ class FaceOnModel:
 
     @cached_property
     def misnamed(self) -> dict[str, str]:
-        """Poses that move the mouth unlike the `measures` of the set, each with what they do.
+        """Misnamed poses, each with what its shape does to the mouth against the `measures`.
 
         A pose without a width may have any, and one without an aperture should not open the mouth.
         """
