@@ -6,7 +6,8 @@ exposes the timings of another line: the same line with shuffled phonemes shows 
 motion and curves that belong to different words.
 
 Conventions: T frames at `CLOCK_FPS`, S signals; times are seconds. A likeness is a mean Pearson r
-over the signals, weighted by how much the curves move each.
+over the measures of the mouth and their speeds, weighted by how much the curves move each. Over 2 s
+of a measure alone, a few slow turns agree by chance, and its speed tells other words apart.
 """
 
 from collections.abc import Sequence
@@ -63,6 +64,9 @@ LEAST_KNOWN = 0.5
 MAX_COMPARED_VALUES = 2_000_000
 """Maximum number of values in one comparison."""
 
+SPEED_FRAMES = 6
+"""Frames over which a speed is taken: less than a sound, and more than a tremble of tracking."""
+
 STILL_SIZE = 1e-6
 """Minimum size of a signal's motion; smaller signals count as still."""
 
@@ -94,6 +98,11 @@ class ClockReading(NamedTuple):
         """Return the likeness that lies a number of standard deviations beyond chance."""
         return float(np.tanh(_stretched(self.chance) + deviations * self.spread))
 
+    @property
+    def drift_gain(self) -> float:
+        """Gain of likeness by the drift, in standard deviations of chance."""
+        return float(_stretched(self.drifting) - _stretched(self.near)) / self.spread
+
 
 @dataclass(frozen=True, eq=False)
 class ComparedMotion:
@@ -105,7 +114,7 @@ class ComparedMotion:
     times: Floats
     """(T,) frames of the speech."""
     shown: Floats
-    """(K, T, S) signals of the curves."""
+    """(K, T, 2 S) signals of the curves, then their speeds."""
     line: CapturedLine
 
     def likenesses(
@@ -132,10 +141,11 @@ class ComparedMotion:
 
     def signals(self) -> Floats:
         """Return r of each signal with its own curve, without correction: (S,)."""
-        return self._correlations(np.array([[0.0, 0.0, 1.0]]))[0][0, 0]
+        each = self._correlations(np.array([[0.0, 0.0, 1.0]]))[0][0, 0]
+        return each[: len(self.line.signals)]
 
     def _correlations(self, clocks: Floats) -> tuple[Floats, Floats]:
-        """Return r and weight of each signal: (L, K, S) each; 0 if the signal or curve is still."""
+        """Return r and weight of each column, (L, K, 2 S) each; 0 if signal or curve is still."""
         middle = (self.times[0] + self.times[-1]) / 2
         # The clock turns around the middle of the speech, so that a drift needs no offset to fit.
         along = (self.times - middle) / max(self.times[-1] - self.times[0], 1e-9)
@@ -164,16 +174,41 @@ class ComparedMotion:
 
     @cached_property
     def _grid(self) -> Floats:
-        """The recorded values at an even rate from the line's first time on."""
+        """The recorded values and speeds at an even rate from the line's first time on."""
         line = self.line
         times = np.arange(line.times[0], line.times[-1] + 0.5 / CLOCK_FPS, 1 / CLOCK_FPS)
-        return resampled(times, line.times, line.values)
+        return _with_speeds(resampled(times, line.times, line.values))
+
+
+def _with_speeds(signals: Floats) -> Floats:
+    """Return signals, (..., T, S), with their speeds: (..., T, 2 S)."""
+    edges = [(0, 0)] * (signals.ndim - 2) + [(SPEED_FRAMES // 2,) * 2, (0, 0)]
+    wide = np.pad(signals, edges, "edge")
+    speeds = wide[..., SPEED_FRAMES:, :] - wide[..., :-SPEED_FRAMES, :]
+    return np.concatenate((signals, speeds), axis=-1)
+
+
+def _as_measures(performer: Performer, line: CapturedLine) -> CapturedLine:
+    """Return weights of poses or channels as measures; other signals as they are.
+
+    Tracking shares a movement out among channels otherwise than targets do.
+    """
+    rig = performer.compiled.rig if line.rigged else None
+    known = rig["measures"] if rig else performer.compiled.measures
+    sums = np.array([[gains.get(one, 0.0) for one in line.signals] for gains in known.values()])
+    if line.free or not sums.any():
+        return line
+    names = tuple(name for name, gains in zip(known, sums, strict=True) if gains.any())
+    sums = sums[sums.any(axis=1)]
+    values, gains = line.values @ sums.T, sums @ line.gains
+    return replace(line, signals=names, values=values, gains=gains, free=True)
 
 
 def compared(
     performer: Performer, line: CapturedLine, schedules: Sequence[Schedule]
 ) -> ComparedMotion:
     """Combine the motion of a line with the curves of schedules with the same times."""
+    line = _as_measures(performer, line)
     start, end = spoken_span(performer, schedules[0])
     times = np.arange(start - EDGE_SECONDS, end + EDGE_SECONDS, 1 / CLOCK_FPS)
     sounds = sounds_of(performer, schedules[0])
@@ -187,7 +222,10 @@ def compared(
     for animation in performer.perform_many(schedules, fps=CLOCK_FPS, intensity=None):
         weights = [np.interp(times, animation.times, one, 0, 0) for one in animation.weights.T]
         shown.append(np.column_stack(weights) @ line.gains.T)
-    return ComparedMotion(times, np.array(shown), line)
+    curves = _with_speeds(np.array(shown))
+    if line.free:  # its measures count alike
+        curves /= np.maximum(curves.std(axis=(0, 1)), STILL_SIZE)
+    return ComparedMotion(times, curves, line)
 
 
 def spoken_span(performer: Performer, schedule: Schedule) -> tuple[float, float]:

@@ -1,5 +1,8 @@
 """Judgement of captures: good ones pass, spoiled ones are set aside with the reason."""
 
+import csv
+import gzip
+import shutil
 from dataclasses import replace
 from functools import cache
 
@@ -14,6 +17,7 @@ from lipsync_lang.plugins.capture.fit_file import SetAside
 from lipsync_lang.plugins.capture.fit_lines import CapturedLine
 from lipsync_lang.plugins.capture.judging import (
     _check_words,
+    _in_time,
     _unlike_the_others,
     judge_captures,
     outlying_lines,
@@ -112,18 +116,58 @@ def loose(number):
 def test_short_takes_that_follow_their_words_loosely_pass(number):
     line = loose(number)
     reading, _ = read_clock(performer(), line)
-    assert 0.55 < reading.near < 0.75
+    assert 0.5 < reading.near < 0.75
     np.testing.assert_array_equal(kept(line).times, line.times)
     assert why(replace(line, schedule=spoken((number + 1) % len(TEXTS))))
 
 
-def test_a_take_that_is_alike_as_recorded_may_be_nearer_to_chance():
+def test_a_take_of_a_sure_likeness_may_be_nearer_to_chance():
     motion = compared(performer(), capture(), [spoken(0)])
-    reading = ClockReading(0.6, 0.68, 0.02, 0.1, 0.1, 0.5, 0.68, 0, 0.45, 0.2)
-    assert reading.beyond_chance(1.5) < reading.near < reading.beyond_chance(2)
+    reading = ClockReading(0.6, 0.65, 0.02, 0.1, 0.1, 0.5, 0.65, 0, 0.45, 0.2)
+    assert reading.beyond_chance(1) < reading.near < reading.beyond_chance(2)
     _check_words(reading, motion)
+    for other in (reading._replace(near=0.59), reading._replace(chance=0.55)):
+        with pytest.raises(ll.AnimationError, match="chance gives"):
+            _check_words(other, motion)
+
+
+def test_a_drift_that_chance_explains_is_left_alone():
+    motion, line = compared(performer(), capture(), [spoken(0)]), capture()
+    reading = ClockReading(0.7, 0.7, 0, 0.1, 0.1, 0.5, 0.78, 0.24, 0.4, 0.16)
+    assert 1 < reading.drift_gain < 2
+    assert _in_time(line, reading) is line
+    with pytest.raises(ll.AnimationError, match="clock drifts"):
+        _in_time(line, reading._replace(drifting=0.86))
+    # the drift that is no fault helps no other words either
     with pytest.raises(ll.AnimationError, match="chance gives"):
-        _check_words(reading._replace(likeness=0.5), motion)
+        _check_words(reading._replace(near=0.5, drifting=0.55, chance=0.1), motion)
+
+
+def test_channels_that_share_a_movement_otherwise_are_alike():
+    face = performer("arkit")
+    moved = dominance(face, spoken(0), 60)
+    values, noise = moved.weights.copy(), np.random.default_rng(3)
+    for pose in face.poses:
+        if pose.endswith("Left"):  # tracking gives one side more of a smile, and the other less
+            way = 2 * np.convolve(noise.normal(0, 1, len(values)), np.hanning(31) / 15, "same")
+            values[:, face.poses.index(pose)] += way
+            values[:, face.poses.index(pose.replace("Left", "Right"))] -= way
+    gains = np.eye(len(face.poses))
+    line = CapturedLine("arkit", spoken(0), moved.times, face.poses, values, gains)
+    channels = replace(line, free=True)  # which are compared one by one
+    both = [compared(face, one, [line.schedule]) for one in (line, channels)]
+    alike, apart = (motion.likenesses([0.0])[0, 0] for motion in both)
+    assert alike > 0.9
+    assert apart < 0.7
+
+
+def test_speeds_tell_other_words_from_slow_turns():
+    line = sensed()
+    slow = np.hanning(61) / np.hanning(61).sum()
+    values = np.column_stack([np.convolve(one, slow, "same") for one in line.values.T])
+    turns = compared(performer(), replace(line, values=values), [line.schedule])
+    assert len(turns.signals()) == len(line.signals)
+    assert turns.likenesses([0.0])[0, 0] < turns.signals().mean() - 0.05
 
 
 def test_chance_never_asks_for_the_impossible():
@@ -331,6 +375,26 @@ def test_recordings_of_real_mouths_pass_and_exchanged_ones_do_not(root, data):
             replace(one, schedule=lines[(at + shift) % 3].schedule) for at, one in enumerate(lines)
         ]
         assert not judged(*wrong, face=german).lines
+
+
+@full
+def test_most_short_takes_of_film_pass(data, tmp_path):
+    """2 s of speech in each: the gap of the lips alone, 20 ms later than the sound."""
+    films = data / "films"
+    with (films / "grid_s1_texts.tsv").open(encoding="utf-8") as stream:
+        texts = {row["clip"]: row["text"] for row in csv.DictReader(stream, delimiter="\t")}
+    chosen = sorted(texts)[::19]
+    with gzip.open(films / "grid_s1_lips.tsv.gz", "rt", encoding="utf-8") as stream:
+        rows = [row for row in csv.DictReader(stream, delimiter="\t") if row["clip"] in chosen]
+    for clip in chosen:
+        own = [f"{float(row['second']) + 0.02},{row['inner_gap'] or 'nan'}"
+               for row in rows if row["clip"] == clip]  # fmt: skip
+        (tmp_path / f"{clip}.csv").write_text("\n".join(("time_s,gap", *own)), "utf-8")
+        (tmp_path / f"{clip}.txt").write_text(texts[clip], "utf-8")
+        shutil.copy(films / f"grid_s1_sound/{clip}.ogg", tmp_path)
+    readout = "kind: readout\nformat: 1\nmeasures:\n  aperture: {gap: 1}\n"
+    (tmp_path / "readout.yaml").write_text(readout, "utf-8")
+    assert len(judge_captures(performer(), read_captures(performer(), tmp_path)).lines) >= 8
 
 
 @full
