@@ -22,6 +22,7 @@ import numpy.typing as npt
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.performing.sound_memory import kept_with
+from lipsync_lang.pipeline import kernel
 from lipsync_lang.pipeline.levels import Dial, Level
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.resolver.compiled import CompiledPair
@@ -307,15 +308,19 @@ def levels(
 
 
 def energies(samples: npt.NDArray[np.int16], cuts: Ints) -> Ints:
-    """Return the exact sum of squares before each cut, in blocks, as sound may last an hour."""
-    blocks = range(0, len(samples), BLOCK_SAMPLES)
-    edges = np.unique(np.append(cuts, blocks).astype(np.intp))
-    parts = np.zeros(len(edges) + 1, np.int64)
-    for start in blocks:
+    """Return the exact sum of squares before each cut; cuts are in order, and 0 to the length."""
+    sums = np.zeros(len(cuts), np.int64)
+    if kernel.compiled is not None:
+        kernel.compiled.energies(np.require(samples, np.int16, "CA"), cuts, sums)
+        return sums
+    before = 0
+    for start in range(0, len(samples), BLOCK_SAMPLES):  # sound may last an hour
         squares = np.square(samples[start : start + BLOCK_SAMPLES], dtype=np.int64)
-        first, stop = edges.searchsorted((start, start + len(squares)))
-        parts[first + 1 : stop + 1] = np.add.reduceat(squares, edges[first:stop] - start)
-    return parts.cumsum()[edges.searchsorted(cuts)]
+        running = np.append(before, squares).cumsum()
+        first, stop = cuts.searchsorted((start, start + len(running)))
+        sums[first:stop] = running[cuts[first:stop] - start]
+        before = running[-1]
+    return sums
 
 
 def frame_levels(
@@ -334,10 +339,11 @@ def frame_levels(
     first, last = slow.times[0], slow.times[-1]
     # the last sound seldom ends on a step
     middles = np.append(np.arange(first, last, ENERGY_STEP_SECONDS), last)
-    ends = (middles[:, None] + (-ENERGY_REACH_SECONDS, ENERGY_REACH_SECONDS)).clip(first, last)
-    cuts = np.rint(ends * audio.rate).clip(0, len(audio.samples)).astype(np.intp)
+    ends = (middles + [[-ENERGY_REACH_SECONDS], [ENERGY_REACH_SECONDS]]).clip(first, last)
+    start, stop = np.rint(ends * audio.rate).clip(0, len(audio.samples)).astype(np.intp)
     # at the ends of a line a frame may hold no sample
-    power = np.diff(energies(audio.samples, cuts))[:, 0] / np.diff(cuts)[:, 0].clip(1)
+    count = (stop - start).clip(1)
+    power = (energies(audio.samples, stop) - energies(audio.samples, start)) / count
     decibels = 10 * np.log10(power.clip(FLOOR**2))
     share = ((decibels - np.median(decibels)) / ENERGY_SPAN).clip(-1, 1)
     least, most = limits

@@ -16,6 +16,7 @@ before any is used. There is no static state; the GIL is released while the stag
 #include <Python.h>
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,7 +47,7 @@ before any is used. There is no static state; the GIL is released while the stag
 typedef Py_ssize_t Size;
 typedef unsigned char Byte;
 
-#define INTERFACE 9         /* kernel.py: another number wherever calls or arguments change */
+#define INTERFACE 10        /* kernel.py: another number wherever calls or arguments change */
 #define RESOLUTION 128      /* tables.py */
 #define TOUCH 1e-7          /* warp.py */
 #define MARGIN 0.030        /* hold.py */
@@ -1322,6 +1323,29 @@ static PyObject *look_up(PyObject *module, PyObject *const *args, Py_ssize_t nar
     return PyErr_Occurred() ? NULL : PyLong_FromSsize_t(answer);
 }
 
+/* energies(samples, cuts, sums): the exact sum of the squares of int16 samples before each cut; effort.py */
+static PyObject *energies(PyObject *module, PyObject *const *args, Py_ssize_t nargs)
+{
+    (void)module;
+    if (nargs != 3) {
+        PyErr_SetString(PyExc_TypeError, "energies(samples, cuts, sums)");
+        return NULL;
+    }
+    Views views = {.views = 0};
+    const Size length = PyObject_Size(args[0]), count = length < 0 ? -1 : PyObject_Size(args[1]);
+    const int16_t *samples = count < 0 ? NULL : keep(&views, args[0], sizeof(int16_t), length, "samples");
+    const Size *cuts = samples ? keep(&views, args[1], sizeof(Size), count, "cuts") : NULL;
+    int64_t *sums = cuts ? keep_writable(&views, args[2], sizeof(int64_t), count, "sums") : NULL;
+    if (sums && within(cuts, count, length + 1, "cuts")) {
+        int64_t sum = 0;
+        for (Size i = 0, at = 0; i < count; sums[i++] = sum)
+            for (; at < cuts[i]; at++)
+                sum += (int64_t)samples[at] * samples[at];
+    }
+    release_views(&views);
+    return PyErr_Occurred() ? NULL : Py_NewRef(Py_None);
+}
+
 /* ---------------------------------------------------------------- samples of pictures
 
 The modules are those of `render/model`. Here every number is the same to the last bit: each step is taken in the
@@ -1653,6 +1677,7 @@ static PyObject *average(PyObject *module, PyObject *const *args, Py_ssize_t nar
 static PyMethodDef methods[] = {
     {"look_up", (PyCFunction)(void (*)(void))look_up, METH_FASTCALL, "Look the labels of a line up."},
     {"rows", (PyCFunction)(void (*)(void))rows, METH_FASTCALL, "Write a table of numbers as text."},
+    {"energies", (PyCFunction)(void (*)(void))energies, METH_FASTCALL, "Add the squares of samples up."},
     {"fill", (PyCFunction)(void (*)(void))fill, METH_FASTCALL, "Draw triangles into the keys of samples."},
     {"shade", (PyCFunction)(void (*)(void))shade, METH_FASTCALL, "Light the samples that triangles cover."},
     {"average", (PyCFunction)(void (*)(void))average, METH_FASTCALL, "Make pixels of samples."},

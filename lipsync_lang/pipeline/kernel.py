@@ -12,7 +12,7 @@ from typing import Any
 SWITCH = "LIPSYNC_LANG_KERNEL"
 """Environment variable; `off` disables the compiled kernel."""
 
-INTERFACE = 9
+INTERFACE = 10
 """Version of the calls and arguments; a library with another version is from other code."""
 
 

@@ -74,5 +74,5 @@ def test_damaged_arguments_are_refused_or_performed_within_bounds(environment):
     script = str(TESTS / "pipeline/sanitized_kernel.py")
     told = ran(environment, script, str(FUZZ_SECONDS), seed)
     assert int(told.split()[0]) > 20
-    for name in ("bank", "plan", "utter", "weigh", "fill", "shade", "average"):
+    for name in ("bank", "plan", "utter", "weigh", "energies", "fill", "shade", "average"):
         assert f"{name} refused" in told
