@@ -26,6 +26,7 @@ import json
 import os
 import signal
 import sys
+from collections.abc import Iterable
 from typing import Any, BinaryIO
 
 FRAME_MAGIC = b"lipsync1"
@@ -131,21 +132,18 @@ def variants(data: str) -> list[str]:
     return sorted(os.listdir(folder)) if os.path.isdir(folder) else []  # noqa: PTH112, PTH208
 
 
-def collect(library: ctypes.CDLL, text: str) -> tuple[int, list[list[Any]], bytearray]:
-    """Speak a text; return the library's status, its events in order, and the sound."""
+def collect(library: ctypes.CDLL, text: str) -> tuple[int, list[list[Any]], list[bytes]]:
+    """Speak a text; return the library's status, its events in order, and the sound in parts."""
     events: list[list[Any]] = []
-    sound = bytearray()
+    sound: list[bytes] = []
 
     def receive(samples: int | None, count: int, pointer: "ctypes._Pointer[_EspeakEvent]") -> int:
         if samples and count > 0:
-            sound.extend(ctypes.string_at(samples, 2 * count))
+            sound.append(ctypes.string_at(samples, 2 * count))
         number = 0
-        while pointer[number].type != EVENT_NONE:
-            event = pointer[number]
+        while (event := pointer[number]).type != EVENT_NONE:
             if event.type == EVENT_PHONEME:
-                address = ctypes.addressof(event) + _EspeakEvent.id.offset
-                name = ctypes.string_at(address, NAME_BYTES).split(b"\0")[0]
-                events.append(["phoneme", event.sample, name.decode("latin-1")])
+                events.append(["phoneme", event.sample, event.id.string.decode("latin-1")])
             elif event.type == EVENT_WORD:
                 events.append(["word", event.sample, event.text_position])
             number += 1
@@ -200,15 +198,15 @@ def prepare(library: ctypes.CDLL, request: dict[str, Any]) -> dict[str, Any]:
     return {"rate": rate}
 
 
-def speak(library: ctypes.CDLL, text: str, rate: int) -> tuple[dict[str, Any], bytes | bytearray]:
+def speak(library: ctypes.CDLL, text: str, rate: int) -> tuple[dict[str, Any], list[bytes]]:
     """Speak a text with the prepared library; return the header and the sound."""
     status, events, sound = collect(library, text)
     if status:
-        return {"error": "synthesis", "status": status}, b""
+        return {"error": "synthesis", "status": status}, []
     cut = any(kind == "phoneme" and len(name) == NAME_BYTES for kind, _, name in events)
     found = clauses(library, text, SEPARATOR) if cut else []
     spelled = [name for clause in found for name in clause.replace(SEPARATOR, " ").split()]
-    return {"rate": rate, "events": events, "spelled": spelled, "bytes": len(sound)}, sound
+    return {"rate": rate, "events": events, "spelled": spelled, "bytes": sum(map(len, sound))}, sound
 
 
 def speak_many(library: ctypes.CDLL, rate: int, out: BinaryIO) -> None:
@@ -236,10 +234,10 @@ def speak_many(library: ctypes.CDLL, rate: int, out: BinaryIO) -> None:
         send(out, {"code": code, "said": said.decode("utf-8", "replace")})
 
 
-def send(out: BinaryIO, header: dict[str, Any], sound: bytes | bytearray = b"") -> None:
+def send(out: BinaryIO, header: dict[str, Any], sound: Iterable[bytes] = ()) -> None:
     """Write a frame."""
     raw = json.dumps(header).encode("ascii")
-    out.write(FRAME_MAGIC + len(raw).to_bytes(4, "little") + raw + sound)
+    out.writelines((FRAME_MAGIC, len(raw).to_bytes(4, "little"), raw, *sound))
     out.flush()
 
 
