@@ -293,10 +293,8 @@ def levels(
     first = np.searchsorted(middles, middles - AROUND_SECONDS)
     stop = np.searchsorted(middles, middles + AROUND_SECONDS, side="right")
     # differences of running sums: a window costs the same however wide it is
-    power, count = (
-        np.append(0, np.cumsum(one))[stop] - np.append(0, np.cumsum(one))[first]
-        for one in (powers, counts)
-    )
+    sums = (np.append(0, one.cumsum()) for one in (powers, counts))
+    power, count = (one[stop] - one[first] for one in sums)
     far = 10 * np.log10((power / count.clip(1)).clip(FLOOR**2) / FULL_SCALE**2) - reference
     beyond = np.sign(far) * (np.abs(far) - TOLERANCE).clip(0)
     share = (beyond / SPAN).clip(-1, 1)
@@ -339,7 +337,7 @@ def frame_levels(
     first, last = slow.times[0], slow.times[-1]
     # the last sound seldom ends on a step
     middles = np.append(np.arange(first, last, ENERGY_STEP_SECONDS), last)
-    ends = (middles + [[-ENERGY_REACH_SECONDS], [ENERGY_REACH_SECONDS]]).clip(first, last)
+    ends = (middles + np.array([[-1], [1]]) * ENERGY_REACH_SECONDS).clip(first, last)
     start, stop = np.rint(ends * audio.rate).clip(0, len(audio.samples)).astype(np.intp)
     # at the ends of a line a frame may hold no sample
     count = (stop - start).clip(1)

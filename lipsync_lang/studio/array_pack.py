@@ -43,6 +43,21 @@ class ArrayPack:
     def __init__(self) -> None:
         self._rows: list[tuple[str, int]] = []
         self._data: list[bytes] = []
+        self._compressor = zlib.compressobj(COMPRESSION_LEVEL)
+        self._compressed, self._count = b"", 0
+
+    def copy(self) -> "ArrayPack":
+        """Return a pack that goes on from this one; what both begin with is compressed once."""
+        self._compress()
+        made = ArrayPack()
+        vars(made).update(vars(self), _rows=[*self._rows], _data=[*self._data])
+        made._compressor = self._compressor.copy()
+        return made
+
+    def _compress(self) -> None:
+        new = b"".join(self._data[self._count :])
+        self._compressed += self._compressor.compress(new)
+        self._count = len(self._data)
 
     def add(self, values: npt.ArrayLike, kind: str, scale: float = 1.0) -> dict[str, int]:
         """Append an array and return its reference; the page sees its values in one row.
@@ -76,7 +91,8 @@ class ArrayPack:
 
     def text(self) -> str:
         """Return the block, compressed, in base64."""
-        return b64encode(zlib.compress(self.block(), COMPRESSION_LEVEL)).decode("ascii")
+        self._compress()
+        return b64encode(self._compressed + self._compressor.copy().flush()).decode("ascii")
 
     def add_sound(self, samples: "npt.NDArray[np.int16]") -> Json:
         """Append a sound, in steps as large as its loudness allows, at some 3 bits a sample."""

@@ -8,7 +8,6 @@ Conventions: V points, C channels (columns of the animation); matrices act on ro
 
 from collections.abc import Hashable, Iterator, Sequence
 from contextlib import suppress
-from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple, Self
 
@@ -67,6 +66,23 @@ def face_data(animation: Animation, pack: ArrayPack) -> Json:
             return _face(animation, scene, pack)
     except FloatingPointError:
         return {"unshown": [f"{animation.model.name}: a point moves too far to be drawn"]}
+
+
+def packed_face(animation: Animation) -> tuple[Json, ArrayPack]:
+    """Return the model of an animation, and a new pack that begins with its arrays.
+
+    The pages of a report share both until the scene is another.
+    """
+    key = animation.columns, page_scene(animation) if animation.model else None
+    if key not in _PACKED:
+        _PACKED.clear()
+        pack = ArrayPack()
+        _PACKED[key] = face_data(animation, pack), pack
+    face, pack = _PACKED[key]
+    return face, pack.copy()
+
+
+_PACKED: dict[Hashable, tuple[Json, ArrayPack]] = {}
 
 
 def page_scene(animation: Animation) -> Scene | str:
@@ -143,9 +159,8 @@ def _face(animation: Animation, scene: Scene, pack: ArrayPack) -> Json:
     }  # fmt: skip
 
 
-@lru_cache(MOST_SCENES)
 def _view(scene: Scene) -> tuple[Floats, Ints, Camera, Camera]:
-    """Return normals, groups of points and cameras, which the pages of a report share."""
+    """Return normals, groups of points and cameras."""
     normals = np.nan_to_num(light.unit(scene.directions(scene.normals)))
     return normals, light.groups(scene), framed(scene), close_up(scene)
 

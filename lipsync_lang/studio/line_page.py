@@ -22,7 +22,7 @@ from lipsync_lang.performing.performer import PerformedLine, Performer, performe
 from lipsync_lang.reports.quality.check_animation import check
 from lipsync_lang.reports.quality.figures import Quality
 from lipsync_lang.studio.array_pack import ArrayPack
-from lipsync_lang.studio.face_data import face_data
+from lipsync_lang.studio.face_data import face_data, packed_face
 from lipsync_lang.studio.module_bundle import bundle, static
 from lipsync_lang.studio.take_data import curves_data, take_data
 
@@ -55,8 +55,8 @@ def line_page(
     >>> page.startswith("<!DOCTYPE html>")
     True
     """
-    pack = ArrayPack()
-    document = _document(animation, performer or performer_of(animation), pack, qualities)
+    face, pack = packed_face(animation)
+    document = _document(animation, performer or performer_of(animation), face, pack, qualities)
     document["arrays"] = pack.layout()
     script, style = _script("line/page"), static("line/page.css")
     hashes = [b64encode(sha256(text.encode()).digest()).decode() for text in (script, style)]
@@ -74,14 +74,15 @@ def line_page(
 def _document(
     animation: Animation,
     performer: Performer | None,
+    face: Json,
     pack: ArrayPack,
     qualities: Mapping[str, Quality] | None,
 ) -> Json:
     takes: list[Json] = []
-    faces: list[Json] = []
+    faces = [face]
     line = PerformedLine.of(animation)
     settings = line.settings if line else {}
-    known: dict[Any, int] = {}
+    known: dict[Any, int] = {(animation.model, animation.columns): 0}
     for name, one in {"": animation, **animation.export.against}.items():
         own, posed = performer_of(one) or performer, _posed(one)
         quality = None if qualities is None else qualities.get(name)

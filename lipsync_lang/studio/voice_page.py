@@ -16,8 +16,7 @@ from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.production.live.web_socket import BUSY, MAX_CLIENTS, Client, Session
 from lipsync_lang.schedules.schedule import AT_REST
-from lipsync_lang.studio.array_pack import ArrayPack
-from lipsync_lang.studio.face_data import face_data
+from lipsync_lang.studio.face_data import packed_face
 from lipsync_lang.studio.module_bundle import bundle
 from lipsync_lang.studio.server import MEDIA_TYPES, AsciiResponse, RequestCheck, static_file
 from lipsync_lang.studio.take_data import take_data
@@ -62,9 +61,9 @@ def _face_document(performer: Performer, *, gestures: bool) -> dict[str, str]:
             f"the page shows heads whose shapes are poses, and {performer.character} drives a rig; "
             "name another character with -c"
         )
-    pack = ArrayPack()
+    face, pack = packed_face(rest)
     take = take_data(rest, performer, pack) | {"name": "", "face": 0}
-    document = {"takes": [take], "faces": [face_data(rest, pack)], "arrays": pack.layout()}
+    document = {"takes": [take], "faces": [face], "arrays": pack.layout()}
     return {"document": json.dumps(document), "block": pack.text()}
 
 

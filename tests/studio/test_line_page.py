@@ -358,6 +358,19 @@ def test_arrays_come_back(kind):
     np.testing.assert_array_equal(data_of(page)["it"], values)
 
 
+def test_copies_of_a_pack_go_on_apart():
+    begun, found = ArrayPack(), []
+    begun.add(range(1000), "u2")
+    for number in (1, 2):
+        pack = begun.copy()
+        assert pack.add([number], "u1") == {"$array": 1}
+        page = json.dumps({"arrays": pack.layout(), "it": [{"$array": 0}, {"$array": 1}]})
+        page = f'<script id="document">{page}</script><script id="block">{pack.text()}</script>'
+        found.append([one.tolist() for one in data_of(page)["it"]])
+    assert found == [[[*range(1000)], [number]] for number in (1, 2)]
+    assert begun.layout() == [["u2", 1000]]
+
+
 def test_values_out_of_range_stay_at_its_end():
     pack = ArrayPack()
     pack.add([-1.0, 2.0], "u2", 65535)

@@ -206,7 +206,8 @@ def speak(library: ctypes.CDLL, text: str, rate: int) -> tuple[dict[str, Any], l
     cut = any(kind == "phoneme" and len(name) == NAME_BYTES for kind, _, name in events)
     found = clauses(library, text, SEPARATOR) if cut else []
     spelled = [name for clause in found for name in clause.replace(SEPARATOR, " ").split()]
-    return {"rate": rate, "events": events, "spelled": spelled, "bytes": sum(map(len, sound))}, sound
+    size = sum(map(len, sound))
+    return {"rate": rate, "events": events, "spelled": spelled, "bytes": size}, sound
 
 
 def speak_many(library: ctypes.CDLL, rate: int, out: BinaryIO) -> None:
