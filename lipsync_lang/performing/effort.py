@@ -309,7 +309,7 @@ def energies(samples: npt.NDArray[np.int16], cuts: Ints) -> Ints:
     """Return the exact sum of squares before each cut; cuts are in order, and 0 to the length."""
     sums = np.zeros(len(cuts), np.int64)
     if kernel.compiled is not None:
-        kernel.compiled.energies(np.require(samples, np.int16, "CA"), cuts, sums)
+        kernel.compiled.energies(np.require(samples, np.int16, ["C", "A"]), cuts, sums)
         return sums
     before = 0
     for start in range(0, len(samples), BLOCK_SAMPLES):  # sound may last an hour
