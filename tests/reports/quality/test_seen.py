@@ -47,7 +47,8 @@ def failed(quality):
 def test_a_solved_head_opens_as_filmed_people_do(judged, shapes, poseset):
     quality = judged(shapes, poseset)
     assert failed(quality) == []
-    assert quality["seen_opening"].value < 1.5
+    opening, film = quality["seen_opening"].parts.values()
+    assert film / 1.5 < opening < film * 1.5
     assert quality["seen_flaps"].value == quality["seen_gaps"].value == 0
     assert quality.remarks == ("judged on the mesh of head.glb",)
 
@@ -58,6 +59,14 @@ def test_a_jaw_that_opens_too_little_fails(judged, monkeypatch):
     assert failed(quality) == ["seen_opening"]
     opening, film = quality["seen_opening"].parts.values()
     assert opening < film / 2.3
+
+
+def test_a_jaw_that_opens_half_as_far_as_people_fails(judged, monkeypatch):
+    monkeypatch.setitem(face_models.OPENINGS, "jawOpen", 0.2)
+    quality = judged(ARKIT, "arkit")
+    opening, film = quality["seen_opening"].parts.values()
+    assert film / 2.3 < opening < film / 1.77
+    assert failed(quality) == ["seen_opening"]
 
 
 @pytest.mark.parametrize(("jaw", "more"), [(1.6, ""), (0.12, "mouth: declared\n")])
