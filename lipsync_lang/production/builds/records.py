@@ -5,6 +5,7 @@ that was there before. So a build killed at any moment can tell its own files fr
 """
 
 import json
+import os
 import sqlite3
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -127,24 +128,23 @@ class Records:
                     ignore = path.with_name(".gitignore")
                     if not ignore.exists():
                         ignore.write_text("*\n", encoding="utf-8")
-                # A copy in memory leaves a project alone that may only be read, and has no lock.
-                connection = sqlite3.connect(path if write else ":memory:", timeout=60)
+                kept = write or path.is_file()
+                fixed = not write and _fixed(path)
+                where = f"{path.absolute().as_uri()}?immutable=1" if fixed else path
+                connection = sqlite3.connect(where if kept else ":memory:", timeout=60, uri=fixed)
                 stack.enter_context(closing(connection))
                 if write:
                     # Readers, such as a dry run, do not wait for a build that writes.
                     connection.execute("PRAGMA journal_mode = WAL")
                     connection.execute("PRAGMA synchronous = FULL")
-                    _check_form(path, connection)
-                connection.executescript(TABLES)
-                if write:
+                elif kept:
+                    # The database may be a stranger's: no statement of it may write.
+                    connection.execute("PRAGMA query_only = ON")
+                _check_form(path, connection)
+                if write or not kept:
+                    connection.executescript(TABLES)
                     connection.execute(f"PRAGMA user_version = {RECORDS_VERSION}")
                     connection.commit()
-                elif path.is_file():
-                    with closing(sqlite3.connect(path)) as stored:
-                        # The database may be a stranger's: no statement of it may write.
-                        stored.execute("PRAGMA query_only = ON")
-                        _check_form(path, stored)
-                        stored.backup(connection)
             except sqlite3.DatabaseError as error:
                 raise _damaged(path, error) from None
             except OSError as error:
@@ -286,6 +286,12 @@ def unusable(
         f"{path}: the record of builds cannot be used ({why}); move it away: the next build "
         "compares the existing files with new ones, and keeps those that differ"
     )
+
+
+def _fixed(path: Path) -> bool:
+    """Return True if nobody changes a database: SQLite opens none in a folder without rights."""
+    log = path.with_name(f"{path.name}-wal")
+    return path.is_file() and not log.exists() and not os.access(path.parent, os.W_OK)
 
 
 def _check_form(path: Path, connection: sqlite3.Connection) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import sqlite3
 import subprocess
 import sys
 from hashlib import blake2b
@@ -203,3 +204,21 @@ def test_a_read_only_folder_is_named(game):
     Path(game.folder).chmod(0o700)
     assert told.code == 2
     assert "writable" in told.err
+
+
+@pytest.mark.parametrize("writable", [True, False])
+def test_a_dry_run_reads_the_record_and_leaves_it(game, monkeypatch, writable):
+    game.build()
+    record = Path(game.folder) / ".lipsync_lang" / "build.sqlite"
+    before = record.read_bytes()
+    asked = []
+    connect = sqlite3.connect
+    monkeypatch.setattr(
+        sqlite3, "connect", lambda to, **how: asked.append(to) or connect(to, **how)
+    )
+    if not writable:
+        monkeypatch.setattr(os, "access", lambda *_: False)
+    assert "0 lines of 4 would be made" in game.build("--dry-run").out
+    assert [str(one).endswith("?immutable=1") for one in asked] == [not writable]
+    assert record.read_bytes() == before
+    assert [one.name for one in record.parent.glob("build.sqlite*")] == [record.name]
