@@ -27,10 +27,11 @@ OPENINGS = {
     "jawOpen": 0.6, "viseme_aa": 0.5, "viseme_O": 0.3, "viseme_E": 0.3, "viseme_I": 0.15,
     **dict(zip(VROID, (0.6, 0.15, 0.1, 0.3, 0.4), strict=True)),
 }  # fmt: skip
+NARROWINGS = {"mouthPucker": 0.3, "viseme_U": 0.25, "viseme_O": 0.1, "viseme_CH": 0.1}
 
 
 def moved(name, dead=()):
-    """Return the offsets of a shape: it opens the mouth, or moves the lips a little forward."""
+    """Return the offsets of a shape: it opens, narrows, or moves the lips a little forward."""
     offsets = np.zeros_like(POINTS)
     if name in dead:
         return offsets
@@ -39,6 +40,7 @@ def moved(name, dead=()):
         offsets[CHIN, 1] = -OPENINGS[name]
     else:
         offsets[:22, 2] = 0.05
+    offsets[:22, 0] = -NARROWINGS.get(name, 0) * POINTS[:22, 0]
     return offsets
 
 

@@ -246,12 +246,21 @@ def _checks(shelf: PairPacks) -> dict[str, Any]:
 
 
 def _filmed(shelf: PairPacks) -> dict[str, Any]:
-    """Return the reach of the mouth, and the widest aperture of each phoneme that states some."""
-    who, mouths = shelf.character.model, shelf.mouths
-    reach = who.reach or shelf.poseset.model.reach
-    stated = (name for name in shelf.numbered if name in mouths)
-    widest = {n: round(max(own_reach(m, reach) * m.aperture for m in mouths[n]), 4) for n in stated}
-    return {"reach": reach, "apertures": widest}
+    """Return the reach, and the widest aperture and the narrowest rounding of each phoneme.
+
+    A cartoon rounds as people do, and a set that is not drawn after people need not round at all.
+    """
+    who, own = shelf.character.model, shelf.poseset.model
+    reach, asked = who.reach or own.reach, own.mouth == "solved"
+    stated = {name: shelf.mouths[name] for name in shelf.numbered if name in shelf.mouths}
+    rows = [(name, mouth) for name, several in stated.items() for mouth in several]
+    widest, narrowest = dict.fromkeys(stated, 0.0), dict[str, float]()
+    for name, mouth in rows:
+        widest[name] = max(widest[name], round(own_reach(mouth, reach) * mouth.aperture, 4))
+        width = round(own_reach(mouth, min(reach, 1.0)) * mouth.width, 4)
+        if asked and (mouth.protrusion or 0) > 0 > width:
+            narrowest[name] = min(narrowest.get(name, 0.0), width)
+    return {"reach": reach, "apertures": widest, "rounded": narrowest}
 
 
 def tabulated(

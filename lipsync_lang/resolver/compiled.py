@@ -178,7 +178,8 @@ class CompiledPair:
     """Pairs of mirrored poses by a name for both."""
     measures: dict[str, dict[str, float]]
     checks: dict[str, Any]
-    """Limits of a finished animation by name, `rules`, and `apertures` of phonemes at `reach`."""
+    """Limits of a finished animation by name, `rules`, and, of phonemes, `apertures` at `reach` and
+    the widths of `rounded` ones."""
     report: Report
     nearest: dict[str, Any] | None
     """Features of the IPA and names of each phoneme, as JSON; used for unmapped IPA."""

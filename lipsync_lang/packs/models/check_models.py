@@ -69,6 +69,8 @@ class Checks(Strict):
     """Share of the sounds with shut lips that may leave the lips of a model apart."""
     seen_width: NotNegative | None = None
     """Range of the width of a model's mouth, in widths of the mouth."""
+    seen_rounding: NotNegative | None = None
+    """Times by which rounded lips of a model may narrow less far than in film."""
     constraints: Unit | None = None
     """Share of frames in which poses may break a constraint."""
     speed: Positive | None = None

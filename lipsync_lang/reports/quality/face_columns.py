@@ -78,6 +78,8 @@ class SeenMouth(NamedTuple):
     """(4, C) measures of the mouth of each column at 1."""
     apertures: Floats
     """(N,) aperture of each phoneme in film, at this reach; NaN if none is stated."""
+    rounded: Floats
+    """(N,) width of each rounded phoneme in film; NaN for others."""
     consonants: Bools
     """(N,)"""
     reach: float
@@ -242,10 +244,13 @@ def _on_mesh(performer: "Performer", names: tuple[str, ...]) -> tuple[SeenMouth 
     if gains is None:
         return None, moves
     compiled = performer.compiled
-    stated, spoken = compiled.checks["apertures"], np.arange(len(compiled.phonemes))
-    filmed = np.array([stated.get(name, np.nan) for name in compiled.phonemes])
+    stated, spoken = compiled.checks, np.arange(len(compiled.phonemes))
+    filmed, rounded = (
+        np.array([stated[measure].get(name, np.nan) for name in compiled.phonemes])
+        for measure in ("apertures", "rounded")
+    )
     consonants = ~_are_vowels(compiled) & (spoken != compiled.tables.silence)
-    return SeenMouth(gains, filmed, consonants, compiled.checks["reach"]), moves
+    return SeenMouth(gains, filmed, rounded, consonants, stated["reach"]), moves
 
 
 def _yields(tables: Tables) -> Bools:

@@ -16,11 +16,13 @@ LABELS = "DH AH K AE T S AE T DH EH R AE N D N OW B AA D IY EH L S M EY D K IY P
 LABIALS_SECONDS = 2.2
 """Sounds with shut lips, and their neighbours, are after this."""
 
+ROUNDED = "CH UW Z B L UW M UW N Z F ER Y UW AE T W AH N"
+
 FLAPPING = ("viseme_DD", "viseme_kk", "viseme_nn", "viseme_CH")
 
 
-def line():
-    labels = LABELS.split()
+def line(labels=LABELS):
+    labels = labels.split()
     return ll.Schedule(("_", *labels, "_"), [0, *0.3 + 0.1 * np.arange(len(labels) + 1), 4])
 
 
@@ -28,13 +30,13 @@ def line():
 def judged(tmp_path):
     """Return a function that judges the line on a head with these shapes."""
 
-    def judge(shapes, poseset, more=""):
+    def judge(shapes, poseset, more="", labels=LABELS):
         face(tmp_path / "head.glb", *shapes)
         text = f"kind: character\nformat: 1\nname: anna\nposeset: {poseset}\nmodel: head.glb\n"
         (tmp_path / "characters").mkdir(exist_ok=True)
         (tmp_path / "characters" / "anna.yaml").write_text(text.replace("head", "../head") + more)
         performer = ll.resolve("english", "anna", paths=[tmp_path])
-        return check(performer.perform(line(), 60))
+        return check(performer.perform(line(labels), 60))
 
     return judge
 
@@ -116,6 +118,29 @@ def test_a_mouth_that_is_too_wide_fails_unless_its_reach_says_so(judged, monkeyp
     declared = f"mouth: declared\nhas: [tongueUp]\ntargets:{drawn}"
     assert "seen_width" in failed(judged(ARKIT, "arkit", declared))
     assert "seen_width" not in failed(judged(ARKIT, "arkit", f"reach: 3\n{declared}"))
+
+
+@pytest.mark.parametrize(("shapes", "poseset"), [(ARKIT, "arkit"), (OCULUS, "oculus")])
+@pytest.mark.parametrize("reach", [0.6, 1.0, 1.6])
+def test_lips_that_do_not_round_fail_and_are_named(judged, monkeypatch, shapes, poseset, reach):
+    said = f"reach: {reach}\n", ROUNDED
+    assert judged(shapes, poseset, *said)["seen_rounding"].value < 1.8
+    monkeypatch.setattr(face_models, "NARROWINGS", {})
+    quality = judged(shapes, poseset, *said)
+    assert failed(quality) == ["seen_rounding"]
+    found = [one.what for one in quality["seen_rounding"].findings]
+    assert "UW narrows the mouth by 0.00; filmed people by 0.1" in found[1]
+    assert len(found) == 7
+    own = judged(shapes, poseset, "checks: {seen_rounding: 100}\n", ROUNDED)
+    assert own["seen_rounding"].passed
+
+
+def test_rounding_is_asked_of_sounds_and_pose_sets_that_have_it(judged):
+    assert judged(ARKIT, "arkit")["seen_rounding"].why.startswith("fewer than 3 sounds")
+    for name, limit in (("facefx", 1.2), ("crab", None)):
+        found = check(ll.resolve("english", name).perform(line(ROUNDED)))["seen_rounding"]
+        assert (found.value is None) == (limit is None)
+        assert found.value is None or found.value < limit
 
 
 def test_lips_that_stay_shut_over_an_open_jaw_are_shut_vowels_and_open_late(tmp_path, monkeypatch):
