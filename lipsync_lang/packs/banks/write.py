@@ -65,21 +65,27 @@ def write_drafts(library: "Library", drafts: BankBigrams, path: Path | None = No
     shared = Path("posesets") / drafts.poseset / "banks"
     target = path or shared / "common.yaml"
     make_room(target)
-    # By the end of the path, because the project may lie anywhere.
-    unused = not target.exists() and target.absolute().parent.parts[-3:] != shared.parts
+    unused = "" if target.exists() else unused_bank(target, drafts.poseset, drafts.owner)
     new = add_bigrams(library, target, drafts)
     told = done(target, len(new), len(drafts.bigrams) - len(new), drafts.status)
     if path is None and own:
         told += (
             f"\nall characters of {drafts.poseset} use them; for this one alone, give --to {own}"
         )
-    if unused:
-        home = drafts.owner.parent if drafts.owner else target.parent
-        beside = Path(os.path.relpath(target, home)).as_posix()
-        told += (
-            f"\nno character uses the file yet; state `banks: [{beside}]` in {own or 'its file'}"
-        )
-    return told
+    return f"{told}\n{unused}".rstrip()
+
+
+def unused_bank(path: Path, poseset: str, owner: Path | None = None) -> str:
+    """Return how a character comes to use a new bank; empty in the folder of its pose set.
+
+    `owner` is the file of the character; None for any.
+    """
+    # By the end of the path, because the project may lie anywhere.
+    if path.absolute().parent.parts[-3:] == ("posesets", poseset, "banks"):
+        return ""
+    beside = Path(os.path.relpath(path, owner.parent if owner else path.parent)).as_posix()
+    who = os.path.relpath(owner) if owner else "its file"
+    return f"no character uses the file yet; state `banks: [{beside}]` in {who}"
 
 
 def make_room(path: Path) -> None:

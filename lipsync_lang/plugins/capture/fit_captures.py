@@ -12,7 +12,7 @@ A confidence of 1 is a change in every part of the lines; 0.5 is a change as lar
 """
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,6 +20,7 @@ import numpy as np
 
 from lipsync_lang import LipsyncError, Performer
 from lipsync_lang.base.arrays import Bools, Floats
+from lipsync_lang.base.grouping import grouped
 from lipsync_lang.packs.banks.draft import TIMES
 from lipsync_lang.plugins.capture.fit_file import (
     VALUE_DECIMALS,
@@ -176,9 +177,9 @@ def _proposal(
     set_aside: tuple[SetAside, ...],
 ) -> FitProposal:
     captured = [line.captured for line in task.lines]
-    remarks = dict.fromkeys(remark for line in captured for remark in line.remarks)
+    remarks = [*_remarks(captured)]
     if len({line.speaker for line in captured}) == 1:
-        remarks[ONE_SPEAKER] = None
+        remarks.append(ONE_SPEAKER)
     return FitProposal(
         language=pair.compiled.language,
         character=pair.compiled.character,
@@ -193,6 +194,14 @@ def _proposal(
         remarks=tuple(remarks),
         set_aside=set_aside,
     )
+
+
+def _remarks(lines: Iterable[CapturedLine]) -> Iterator[str]:
+    """Yield each remark once, with the first of the files that it is about."""
+    cut = (remark.partition(": ") for line in lines for remark in line.remarks)
+    for told, files in grouped((told or file, file * bool(told)) for file, _, told in cut).items():
+        more = f" and {len(files) - 1} more" if len(files) > 1 else ""
+        yield f"{files[0]}{more}: {told}" if files[0] else told
 
 
 def _without_strays(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from lipsync_lang import OutputError
 from lipsync_lang.base.files import STANDARD_STREAM, argument_path, atomic
-from lipsync_lang.commands.output import SOUND, as_json, tell_written
+from lipsync_lang.commands.output import SOUND, as_json, tell_all, tell_written
 from lipsync_lang.commands.registry import Add, command
 from lipsync_lang.commands.shared_options import add_json, add_path, option
 
@@ -39,14 +39,15 @@ def _add_move(action: Add) -> None:
 
 def move(options: Namespace) -> int:
     """Move a bank; tell the loss, the worst first."""
-    from lipsync_lang.packs.banks.write import make_room
+    from lipsync_lang.packs.banks.write import make_room, unused_bank
     from lipsync_lang.packs.library import Library
     from lipsync_lang.plugins.mouths.bank_move import move_bank
 
     output = options.output
     if output not in {None, STANDARD_STREAM} and output.exists():
         raise OutputError(f"{output}: is already there; name another file")
-    moved = move_bank(Library(options.path), options.bank, options.source, options.goal)
+    library = Library(options.path)
+    moved = move_bank(library, options.bank, options.source, options.goal)
     if output is not None:
         name = options.bank.stem if output == STANDARD_STREAM else output.stem
         if output != STANDARD_STREAM:
@@ -57,4 +58,8 @@ def move(options: Namespace) -> int:
     print(as_json(moved.to_dict()) if options.json else moved.told(), file=words)
     if output is not None:
         tell_written(output)
+    if output not in {None, STANDARD_STREAM}:
+        own = [Path(file) for file in library.lookup("character", options.goal)]
+        unused = unused_bank(output, moved.goal.poseset.name, *own[:1])
+        tell_all([unused] if unused else [])
     return SOUND

@@ -18,7 +18,12 @@ from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.plugins.capture.accept_fit import accept_fit
 from lipsync_lang.plugins.capture.capture_reading import read_captures
-from lipsync_lang.plugins.capture.fit_captures import confidence, fit_captures, without_rest
+from lipsync_lang.plugins.capture.fit_captures import (
+    _remarks,
+    confidence,
+    fit_captures,
+    without_rest,
+)
 from lipsync_lang.plugins.capture.fit_file import read_fit, write_fit
 from lipsync_lang.plugins.capture.fit_folds import folds
 from lipsync_lang.plugins.capture.fit_lines import fit_rate, lay_lines
@@ -262,6 +267,16 @@ def test_levels_at_rest_are_taken_away_and_told():
 
 
 @full
+def test_a_remark_on_many_files_is_told_once():
+    *_, lines = example()
+    both = [("a.csv: 60 frames", "anna has no width"), ("b.csv: 60 frames", "anna has no width")]
+    told = [replace(line, remarks=own) for line, own in zip(lines, both, strict=False)]
+    alone = replace(lines[0], remarks=("c.csv: 30 frames",))
+    assert [*_remarks([*told, alone])] == [
+        "a.csv and 1 more: 60 frames", "anna has no width", "c.csv: 30 frames",
+    ]  # fmt: skip
+
+
 def test_lost_values_and_missing_signals_do_not_count():
     pair, performer, truth, said, lines = example()
     poses = list(performer.poses)

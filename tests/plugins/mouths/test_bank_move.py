@@ -180,9 +180,18 @@ def test_the_command_writes_the_bank_and_tells_the_worst_first(folder, cli):
     assert losses == sorted(losses, reverse=True)
     assert len(losses) == 3 * len(DRAWN)
     assert yaml.safe_load((folder / "moved.yaml").read_text("utf-8"))["name"] == "moved"
+    assert "no character uses the file yet; state `banks: [moved.yaml]` in its file" in ended.err
     again = cli("bank", "move", "drawn.yaml", "--to", "crab", "-o", "moved.yaml")
     assert again.code == 2
     assert "already there" in again.err
+    home = "posesets/crab/banks/moved.yaml"
+    ended = cli("bank", "move", "drawn.yaml", "--to", "crab", "-o", home)
+    assert ended.err == f"wrote {home}\n"
+    (folder / "characters").mkdir()
+    who = "kind: character\nformat: 1\nname: anna\nposeset: crab\n"
+    (folder / "characters/anna.yaml").write_text(who)
+    ended = cli("bank", "move", "drawn.yaml", "--to", "anna", "-o", "own.yaml")
+    assert "state `banks: [../own.yaml]` in characters/anna.yaml" in ended.err
 
 
 def test_bad_input_is_refused_with_its_place(folder, monkeypatch):
