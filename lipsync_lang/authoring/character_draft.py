@@ -77,32 +77,18 @@ class CharacterDraft(PackDraft):
     """Summary of each output file."""
 
     def __str__(self) -> str:
-        match, meshes = self.match, len(self.model.meshes)
-        within = f"{meshes} meshes" if meshes > 1 else "one mesh"
-        count = len(self.model.shape_names)
-        absent = [loss.pose for loss in match.losses if not (loss.shown or loss.why)]
-        lines = [
-            f"{shown(self.model.path)}: {count} shapes in {within}; {match}",
-            *(f"  or {other}: {_asking(other)}" for other in self.others),
-            *(f"wrote {path}: {self.summaries[path]}" for path in self.outputs),
-            *(f"doubtful: {doubt}" for doubt in (*match.found.doubts, *_unlike(match))),
-            *(
-                f"measured: the mouth opens {'farther' if level < 1 else 'less'} than "
-                f"{match.poseset} expects, so the level of region {region} is {level:g}"
-                for region, level in self.dials.items()
-            ),
-        ]
-        for shape, channels in match.found.shared.items():
-            lines.append(f"approximate: {' and '.join(channels)} share one shape, {shape}")
-        if absent:
-            lines.append(f"not shown: {', '.join(absent)}")
-        lines += [f"lost: {loss}" for loss in match.losses if loss.pose not in absent]
-        if match.missing and match.rig:
-            lines.append(f"shapes of rig {match.rig} that the model lacks: {some(match.missing)}")
-        if match.left:
-            lines.append(f"not used: {some(match.left)}")
-        run = f"  {_running(self.path.stem, self.model.path)}"
-        return "\n".join([*lines, "next:", run, "  lipsync-lang validate"])
+        match = self.match
+        values = {
+            **vars(self),
+            "meshes": len(self.model.meshes),
+            "doubts": [*match.found.doubts, *_unlike(match)],
+            "absent": [loss.pose for loss in match.losses if not (loss.shown or loss.why)],
+            "running": _running(self.path.stem, self.model.path),
+            "shown": shown,
+            "some": some,
+            "asking": _asking,
+        }
+        return from_template("character_told", **values).removesuffix("\n")
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data for JSON output."""

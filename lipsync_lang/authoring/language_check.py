@@ -12,6 +12,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
+from lipsync_lang.authoring.new_pack import from_template
 from lipsync_lang.authoring.sound_table import SoundTable
 from lipsync_lang.authoring.trial import doubts, try_out, unheard
 from lipsync_lang.base.errors import OutputError, did_you_mean
@@ -76,31 +77,26 @@ class LanguageCheck:
         }
 
     def __str__(self) -> str:
-        lines = [*map(str, self.faults)]
+        values: dict[str, Any] = {**vars(self), "failed": self.failed}
         if self.sounds is not None:
-            sounds, mouths = self.sounds, mouths_in(self.sounds)
-            count = f"{sum(map(len, mouths.values()))} sounds, {len(mouths)} mouths"
-            lines.append(f"{sounds['title']} ({sounds['tag']}): {count}")
-            titles = {one["name"]: one["title"] for one in sounds["common"]}
-            rows = [["mouth", "sounds", "as in", "looks like", self.character]]
-            for mouth, own in mouths.items():
-                words = [*dict.fromkeys(word for row in own for word in row["words"][:1])]
-                looks = " -> ".join(titles.get(name, "") for name in mouth)
-                poses = " -> ".join(self.mouths.get(name, REST) for name in mouth)
-                more = f" + {len(own) - MOST_SOUNDS}" if len(own) > MOST_SOUNDS else ""
-                labels = " ".join(row["label"] for row in own[:MOST_SOUNDS]) + more
-                told = [" ".join(mouth) or MUTE, labels, ", ".join(words[:MOST_WORDS]), looks]
-                rows.append([*told, poses])
-            table = rows if self.mouths else [row[:-1] for row in rows]
-            lines += (f"  {line}" for line in columns(table, widest=64))
-            needed = [row for row in sounds["rows"] if row["need"] in {"unmapped", "doubtful"}]
-            lines += ["look at:"] * bool(needed)
-            lines += [f"  {row['label']}: {row['says']}" for row in needed]
-            unread = f"; texts were not read: {self.refusal}" if self.refusal else ""
-            passed = f"{self.tests - self.failed} of {self.tests} tests pass{unread}"
-            untested = "no tests yet: add words with their phonemes under `tests`"
-            lines.append(passed if self.tests else untested)
-        return "\n".join(lines)
+            needed = [row for row in self.sounds["rows"] if row["need"] in {"unmapped", "doubtful"}]
+            values |= {"mouths": mouths_in(self.sounds), "needed": needed}
+            values["table"] = columns(self._rows(self.sounds), widest=64)
+        return from_template("language_check", **values).removesuffix("\n")
+
+    def _rows(self, sounds: Mapping[str, Any]) -> list[list[str]]:
+        """Return the rows of the table of mouths; the last column is for a character."""
+        titles = {one["name"]: one["title"] for one in sounds["common"]}
+        rows = [["mouth", "sounds", "as in", "looks like", self.character]]
+        for mouth, own in mouths_in(sounds).items():
+            words = [*dict.fromkeys(word for row in own for word in row["words"][:1])]
+            looks = " -> ".join(titles.get(name, "") for name in mouth)
+            poses = " -> ".join(self.mouths.get(name, REST) for name in mouth)
+            more = f" + {len(own) - MOST_SOUNDS}" if len(own) > MOST_SOUNDS else ""
+            labels = " ".join(row["label"] for row in own[:MOST_SOUNDS]) + more
+            told = [" ".join(mouth) or MUTE, labels, ", ".join(words[:MOST_WORDS]), looks]
+            rows.append([*told, poses])
+        return rows if self.mouths else [row[:-1] for row in rows]
 
 
 def mouths_in(sounds: Mapping[str, Any]) -> dict[tuple[str, ...], list[dict[str, Any]]]:

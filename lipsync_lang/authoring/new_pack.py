@@ -77,7 +77,7 @@ def check_name(name: str, existing: Path | None = None) -> None:
         raise PackError(f"{existing}: already exists; choose another name, or delete it first")
 
 
-def from_template(name: str, **known: object) -> str:
+def from_template(name: str, /, **known: object) -> str:
     """Return the text of a pack."""
     return filled(__package__ or "", f"templates/{name}", known)
 

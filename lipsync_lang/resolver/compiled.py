@@ -78,46 +78,16 @@ class Report:
     """Layer of each trigram that this pair plays."""
 
     def __str__(self) -> str:
-        total = self.shared + self.extra
-        counted = f"{self.shared} shared"
-        if self.added:
-            counted += f", {self.extra} added by {', '.join(self.added)}"
-        lines = [
-            f"{self.language} on {self.character} (pose set {self.poseset})",
-            f"{len(self.phonemes)} common phonemes: {' '.join(self.phonemes)}",
-            f"{total} bigrams: {counted}",
-            *_layer_lines(self.layers),
-            f"{sum(sum(s.values()) for s in self.silence_layers.values())} more with silence",
-            *_layer_lines(self.silence_layers),
-        ]
-        if self.trigrams:
-            named = ", ".join(f"{name} ({layer})" for name, layer in self.trigrams.items())
-            lines.append(f"{len(self.trigrams)} trigram{'s' * (len(self.trigrams) > 1)}: {named}")
-        if self.shades:
-            lines.append(f"{len(self.shades)} shades: {' '.join(self.shades)}")
-        if self.automatic:
-            lines.insert(1, "automatic: IPA that no pack maps goes to the nearest by features")
-        for style, statuses in self.styles.items():
-            told = ", ".join(f"{number} {status}" for status, number in statuses.items())
-            lines.append(f"style {style}: {told}; the rest is neutral")
-        if self.gaps:
-            lines += [f"{count(len(self.gaps), 'bigram')} without curves:", *_gap_lines(self.gaps)]
-        return "\n".join([*lines, *self.warnings, *self.idle])
+        from lipsync_lang.packs.yaml.value_text import filled
 
-
-def _gap_lines(gaps: tuple[str, ...]) -> list[str]:
-    """List bigrams by their first phoneme, one line each."""
-    pairs = (pair.partition("-") for pair in gaps)
-    after = grouped((first, second) for first, _, second in pairs)
-    return [f"  {first}-  {' '.join(seconds)}" for first, seconds in after.items()]
-
-
-def _layer_lines(layers: dict[str, dict[str, int]]) -> list[str]:
-    return [
-        f"  {layer:<10}{sum(statuses.values()):>5}  "
-        + ", ".join(f"{count} {status or 'unanswered'}" for status, count in statuses.items())
-        for layer, statuses in layers.items()
-    ]
+        pairs = (pair.partition("-") for pair in self.gaps)
+        facts = {
+            **vars(self),
+            "silent": sum(sum(one.values()) for one in self.silence_layers.values()),
+            "after": grouped((first, second) for first, _, second in pairs),
+            "count": count,
+        }
+        return filled(__package__, "report", facts).removesuffix("\n")
 
 
 @dataclass(frozen=True, eq=False, repr=False)

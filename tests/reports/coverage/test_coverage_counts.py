@@ -19,7 +19,6 @@ from lipsync_lang.base.presentation.wording import percent
 from lipsync_lang.pipeline.track import lay_track
 from lipsync_lang.reports.coverage import coverage
 from lipsync_lang.reports.coverage.forms import FORMS, FormOptions
-from lipsync_lang.reports.coverage.forms.text import _next
 from lipsync_lang.reports.coverage.report import Coverage, authored, schema
 from lipsync_lang.text.lines import Line, read_lines
 
@@ -191,7 +190,9 @@ def test_a_fitted_bigram_is_left_and_comes_last(packs):
     assert report("tata", minutes=60).next_hour.bigrams == ("d-aa",)
     told = report("ta ta ta at", minutes=60)
     assert told.next_hour.bigrams != ("aa-d",)
-    assert "1 of them fitted, to be checked" in "\n".join(_next(told, 60))
+    whole, out = coverage(lines("ta ta ta at"), "toy", "facefx", minutes=60), io.StringIO()
+    FORMS.find("text")(whole, out, FormOptions())
+    assert "1 of them fitted, to be checked" in out.getvalue()
 
 
 @pytest.mark.usefixtures("packs")
