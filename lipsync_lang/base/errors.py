@@ -3,10 +3,8 @@
 Every error raised on purpose is a `LipsyncError`. The command line prints its message only.
 """
 
-from typing import TYPE_CHECKING, get_args
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+from collections.abc import Iterable
+from typing import get_args
 
 MAX_KNOWN = 24
 """Known words in a hint."""
@@ -48,7 +46,7 @@ class OutputError(LipsyncError):
     """An output cannot be written to the given path."""
 
 
-def spelled(name: str, known: "Iterable[str]") -> str:
+def spelled(name: str, known: Iterable[str]) -> str:
     """Return the known name that a name is in other letters, or the name itself."""
     names = list(known)
     if name in names:
@@ -63,7 +61,7 @@ def _likeness(word: str, name: str) -> float:
     return SequenceMatcher(None, name, word).ratio()
 
 
-def did_you_mean(word: str, known: "Iterable[str]") -> str:
+def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return a hint with the nearest known word, or with all known words if none is near."""
     from difflib import get_close_matches
 
@@ -79,7 +77,7 @@ def did_you_mean(word: str, known: "Iterable[str]") -> str:
     return f"known: {shortlist(names, MAX_KNOWN)}" if names else "there are none"
 
 
-def shortlist(names: "Iterable[str]", most: int) -> str:
+def shortlist(names: Iterable[str], most: int) -> str:
     """List the first names, and the number of the others."""
     every = list(names)
     more = f" and {len(every) - most} more" if len(every) > most else ""

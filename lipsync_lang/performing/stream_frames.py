@@ -7,7 +7,7 @@ around the frames, within their look-back and look-ahead.
 from collections import Counter
 from collections.abc import Sequence
 from math import floor, inf, isinf
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.performing import gesturing
 from lipsync_lang.performing.effort import PRIMARY, VOWEL, StressMarks, ramped_level, vowel_level
 from lipsync_lang.performing.heard import HeardLabels, begun_trigrams, open_trigram
+from lipsync_lang.performing.played_pair import PlayedPair
 from lipsync_lang.pipeline.gestures.laying import GestureSet
 from lipsync_lang.pipeline.gestures.placing import (
     DRAWING_SECONDS,
@@ -31,9 +32,6 @@ from lipsync_lang.pipeline.look_ahead import LookAhead, widened
 from lipsync_lang.pipeline.perform import Frames, perform
 from lipsync_lang.pipeline.prepare import prepare
 from lipsync_lang.pipeline.track import lay_track
-
-if TYPE_CHECKING:
-    from lipsync_lang.performing.played_pair import PlayedPair
 
 ENDLESS = {
     "smooth": ("smooth", "smooth=none"),
@@ -64,7 +62,7 @@ class StreamFrames:
 
     def __init__(
         self,
-        performer: "PlayedPair",
+        performer: PlayedPair,
         fps: float,
         blends: tuple[Blend, ...],
         dials: tuple[Dial, ...],

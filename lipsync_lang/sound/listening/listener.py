@@ -5,8 +5,8 @@ known. No later sound changes it. Sound at another rate is resampled by a window
 parts it arrives does not matter.
 """
 
+from collections.abc import Mapping, Sequence
 from math import ceil, gcd
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,9 @@ import numpy.typing as npt
 from lipsync_lang.base.arrays import Floats, Singles
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.pipeline.constrain import constrain
+from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.perform import FinalFrames
+from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.sound.listening.belief import Smoother, thirds
 from lipsync_lang.sound.listening.ear import (
@@ -32,13 +34,7 @@ from lipsync_lang.sound.listening.mouth import Mouth, heard_values, state_target
 from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS
 from lipsync_lang.sound.speech.hearing.sphinx.folder import find_models
 from lipsync_lang.sound.speech.sound import FASTEST, INT16_FULL_SCALE, SLOWEST, SPEECH_RATE
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from lipsync_lang.pipeline.motion import Motion
-    from lipsync_lang.pipeline.tables import Tables
-    from lipsync_lang.text.phonology.labels import Notation
+from lipsync_lang.text.phonology.labels import Notation
 
 ZERO_CROSSINGS = 12
 """Length of the sinc on each side, 0.8 ms at `SPEECH_RATE`; longer ones cut off more sharply."""
@@ -115,7 +111,7 @@ class Listener:
     def __init__(  # noqa: PLR0913 what it hears with, what it moves, and three settings
         self,
         scores: PhoneScores,
-        mouth: "Mouth",
+        mouth: Mouth,
         poses: tuple[str, ...],
         *,
         rate: int,
@@ -178,7 +174,7 @@ class Listener:
 
     @staticmethod
     def push_together(
-        listeners: "Sequence[Listener]", sounds: "Sequence[npt.ArrayLike]"
+        listeners: "Sequence[Listener]", sounds: Sequence[npt.ArrayLike]
     ) -> list[FinalFrames]:
         """Push the next samples of many voices, which costs less than one after the other.
 
@@ -267,11 +263,11 @@ def _samples(samples: npt.ArrayLike) -> Floats:
 
 
 def open_listener(  # noqa: PLR0913 what moves, the language, and three settings
-    tables: "Tables",
-    motion: "Motion",
+    tables: Tables,
+    motion: Motion,
     poses: tuple[str, ...],
-    notation: "Notation | None",
-    numbers: "Mapping[str, int]",
+    notation: Notation | None,
+    numbers: Mapping[str, int],
     *,
     rate: int,
     delay: float,
