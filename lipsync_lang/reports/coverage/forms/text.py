@@ -54,7 +54,7 @@ def write(coverage: Coverage, out: TextIO, options: FormOptions) -> None:
         "sentences": None if options.everything else MAX_TEXT_SENTENCES,
         "fitted_status": FITTED_STATUS,
     }
-    out.write(filled(__package__, "text", {**facts, **WORDS}))
+    out.write(filled(__package__, "text", {**facts, **TEXT_TOOLS}))
 
 
 def _summary(reports: Sequence[CoverageReport]) -> Iterator[str]:
@@ -174,7 +174,7 @@ def serves(item: WorkItem, total: TotalFigures) -> str:
     return shortlist(names, MAX_ROW_LANGUAGES)
 
 
-WORDS: dict[str, Callable[..., object]] = {
+TEXT_TOOLS: dict[str, Callable[..., object]] = {
     "count": count,
     "percent": percentage_text,
     "few": _few,
