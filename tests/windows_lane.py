@@ -17,7 +17,6 @@ POSIX = {
     "test_root_leaves_a_file_to_its_owner": "owners of files",
     "test_sources_are_on_the_disk_before_they_are_in_place": "folders that can be synced",
     "test_a_bank_that_is_edited_is_synced": "folders that can be synced",
-    "test_a_worker_that_does_not_see_the_folder_is_named": "the name of the machine by `uname`",
 }
 """Parts of POSIX that a test needs and Windows lacks, by the name of the test."""
 
@@ -36,7 +35,7 @@ def pytest_collection_modifyitems(items):
     for item in items:
         lacks = POSIX.get(item.originalname)
         if lacks:
-            item.add_marker(pytest.mark.xfail(reason=f"Windows lacks {lacks}", strict=False))
+            item.add_marker(pytest.mark.xfail(reason=f"Windows lacks {lacks}", strict=True))
 
 
 @pytest.hookimpl(hookwrapper=True)

@@ -211,3 +211,14 @@ def test_a_pack_named_like_markup_stays_text(tmp_path):
     found = caller.post("open", {"language": "english", "character": "ann"})
     assert found.status == 200
     assert found.headers["content-type"] == "application/json"
+
+
+def test_a_bank_is_edited_by_its_number_among_the_banks_of_the_pose_set(caller, tmp_path):
+    edit(caller, {"curves": CURVES})
+    caller.post("save")
+    place = ("bigrams", "aa-bmp", "status")
+    assert edit(caller, "approved", at=place, file="bank-0").json["undo"] == "Draw"
+    assert "belongs to the installed packs" in edit(caller, 1, file="bank-1").json["error"]
+    assert edit(caller, 1, file="bank-2").json["error"].endswith("language, bank-0, bank-1")
+    caller.post("save")
+    assert "status: approved" in (tmp_path / BANK).read_text("utf-8")
