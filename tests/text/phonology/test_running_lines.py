@@ -190,6 +190,29 @@ def test_each_number_of_a_list_has_the_form_of_the_last(numbers, join):
         assert read.casefold() == said.casefold()
 
 
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        ("about 5-6 km off", "about of-five to of-six kilometres off"),
+        ("for 2–3 km", "for two to three kilometre"),
+        ("for 3-2 km", "for 3 to two kilometre"),
+        ("for 2-3 minutes", "for twain to 3 minutes"),
+        ("for 1-3 minutes", "for 1 to 3 minutes"),
+        ("about 2-3 May", "about the 2 till 3 May"),
+        ("for 2-3-4 km", "for 2-3-4 km"),
+    ],
+)
+def test_the_first_number_of_a_range_has_the_form_of_the_last(written, said):
+    keys = {"#-#": "{1} to {2}", "#〜#": "{1} to {2}", "# km": "{1:n} kilometre"}
+    keys |= {"#–#": "{1} to {2}", "about # km": "about {1:of} kilometres"}
+    own = {"2 *s": "twain {1}s", "about #-# May": "about the {1} till {2} May"}
+    own["1 *s"] = "single {1}s"
+    words = ("one", "two", "three", "four", "five", "six")
+    numbers = {"n": words, "of": tuple(f"of-{word}" for word in words)}
+    forms = SpokenForms(abbreviations=keys | own, numbers=numbers)
+    assert respelled(written, Expansions(forms).find(written)) == said
+
+
 @pytest.mark.parametrize("name", COUNTING)
 def test_a_number_with_decimals_has_one_unit(name):
     # rules of a noun have no word for a decimal, and would say it before and after the sign

@@ -64,6 +64,7 @@ _CALL_SIGN = re.compile(r"(?<!\w)[^\W\d_]\w+ $")
 _AFTER_INITIAL = re.compile(r"\.(?:[ \u00a0]?([^\W\d_])|\.)")
 """The rest of a name behind its initial; a speaker may break off."""
 _LISTED_NUMBER = re.compile(r"\d+\.?")
+_LISTED_RANGE = re.compile(r"(?<![\w.,:/–-])(\d{1,3}\.?)[-–](?=(\d{1,3})(?![\w–-]|[.,:/]\d))")
 _OTHER_DIGIT = re.compile(r"(?![0-9])\d")
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)*")
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
@@ -176,7 +177,7 @@ class AbbreviationKeys:
         ways = [_SHOUTED.sub(lambda word: word[0].lower(), text)] if text.isupper() else []
         ways += [_SHOUTED.sub(lambda word: word[0].capitalize(), one) for one in ways]
         calm = [one for one in ways if len(one) == len(text)]
-        alike = {one.start: one for one in self._alike(text)}
+        alike = {one.start: one for one in (*self._alike(text), *self._ranges(text))}
         while start := self._starts.search(plain, at):
             at = start.end()
             if start[0] in self._ends or start.start() in alike:
@@ -212,9 +213,9 @@ class AbbreviationKeys:
             before = text[max(listed.start() - SEEN_KEY_CHARS, 0) : listed.start()]
             after = text[listed.end() : listed.end() + 2 * SEEN_KEY_CHARS]
             *others, last = _LISTED_NUMBER.finditer(listed[0])
-            found, form, rest = self._form(before, last[0] + after)
+            found, form, rest, _ = self._form(before, last[0] + after)
             for one in others if found else ():
-                same, own, _ = self._form(before, one[0] + after)
+                same, own, *_ = self._form(before, one[0] + after)
                 start = listed.start() + one.start()
                 if same and own == form:
                     yield Replacement(start, start + len(one[0]), self._expanded(same, own).strip())
@@ -224,15 +225,45 @@ class AbbreviationKeys:
                 stop = start + found.end() - len(before)
                 yield Replacement(start, stop, self._expanded(found, form + rest).lstrip())
 
-    def _form(self, before: str, after: str) -> tuple[re.Match[str] | None, str, str]:
-        """Return the match of a number after some words, the form of its word, and what follows."""
+    def _ranges(self, text: str) -> Iterator[Replacement]:
+        """Yield ranges whose first number has the form of the last: `около 5-6 км`."""
+        for ranged in _LISTED_RANGE.finditer(text):
+            first, last = ranged.groups()
+            if float(first) >= float(last):
+                continue
+            before = text[max(ranged.start() - SEEN_KEY_CHARS, 0) : ranged.start()]
+            after = text[ranged.end(2) : ranged.end() + 2 * SEEN_KEY_CHARS]
+            found, form, rest, lead = self._form(before, last + after)
+            same, own, *_ = self._form(before, first + after)
+            like = found if same and own == form else None
+            start = ranged.start() - (len(before) - like.start() if like else 0)
+            stated = self._match(text, start)[0]
+            # a key of its own, such as `#-# {month}`
+            if stated and stated.re.pattern not in _RANGE_PATTERNS and stated.lastindex != 1:
+                continue
+            if like and same:
+                parts = self._expanded(like, lead), self._expanded(same, own), self._between
+                said = " ".join((*parts, self._expanded(like, form + rest)))
+                stop = ranged.end() + like.end() - len(before)
+                yield Replacement(start, stop, " ".join(said.split()))
+                continue
+            # `2 минуты` has a key of its own, and `3 минуты` needs none
+            alone, read = self._match(first + after, 0)
+            if alone and (not alone.lastindex or alone.start(1)) and first != "1":
+                said, _, noun = self._expanded(alone, read).rpartition(" ")
+                if alone[0].endswith(f" {noun}"):
+                    said = f"{said} {self._between} {self.respelled(last)}"
+                    yield Replacement(start, ranged.end(2), " ".join(said.split()))
+
+    def _form(self, before: str, after: str) -> tuple[re.Match[str] | None, str, str, str]:
+        """Return the match of a number after words, its form, what follows it and what leads."""
         starts = [*map(re.Match.start, re.finditer(r"\b\w", before)), len(before)]
         for found, read in (self._match(before + after, start) for start in starts):
             for place in range(1, 1 + (found.lastindex or 0)) if found else ():
-                form = re.search(rf"[^ ]*\{{{place}:[^ ]*", read)
-                if found and form and found.start(place) == len(before):
-                    return found, form[0], read[form.end() :]
-        return None, "", ""
+                form = re.search(rf"[^ ]*\{{{place}(:?)[^ ]*", read)
+                if found and form and form[1] and found.start(place) == len(before):
+                    return found, form[0], read[form.end() :], read[: form.start()]
+        return None, "", "", ""
 
     def _read(self, found: re.Match[str], read: str) -> tuple[int, str]:
         """Return the end and the words of a match; a unit after `3-5` is one of the last number."""
