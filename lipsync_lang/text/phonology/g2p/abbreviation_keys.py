@@ -64,7 +64,9 @@ _CALL_SIGN = re.compile(r"(?<!\w)[^\W\d_]\w+ $")
 _AFTER_INITIAL = re.compile(r"\.(?:[ \u00a0]?([^\W\d_])|\.)")
 """The rest of a name behind its initial; a speaker may break off."""
 _LISTED_NUMBER = re.compile(r"\d+\.?")
-_LISTED_RANGE = re.compile(r"(?<![\w.,:/–-])(\d{1,3}\.?)[-–](?=(\d{1,3})(?![\w–-]|[.,:/]\d))")
+_LISTED_RANGE = re.compile(
+    r"(?<![A-Za-z\d.,:/–-])(\d{1,3}\.?)[-–〜](?=(\d{1,3})(?![\d–-]|[.,:/]\d))"
+)
 _OTHER_DIGIT = re.compile(r"(?![0-9])\d")
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)*")
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
@@ -242,8 +244,8 @@ class AbbreviationKeys:
             if stated and stated.re.pattern not in _RANGE_PATTERNS and stated.lastindex != 1:
                 continue
             if like and same:
-                parts = self._expanded(like, lead), self._expanded(same, own), self._between
-                said = " ".join((*parts, self._expanded(like, form + rest)))
+                said = f"{self._expanded(like, lead)} {self._expanded(same, own).strip()}"
+                said += (self._between or " ") + self._expanded(like, form + rest).lstrip()
                 stop = ranged.end() + like.end() - len(before)
                 yield Replacement(start, stop, " ".join(said.split()))
                 continue
@@ -251,8 +253,8 @@ class AbbreviationKeys:
             alone, read = self._match(first + after, 0)
             if alone and (not alone.lastindex or alone.start(1)) and first != "1":
                 said, _, noun = self._expanded(alone, read).rpartition(" ")
-                if alone[0].endswith(f" {noun}"):
-                    said = f"{said} {self._between} {self.respelled(last)}"
+                if said and alone[0].endswith(noun):
+                    said += (self._between or " ") + self.respelled(last)
                     yield Replacement(start, ranged.end(2), " ".join(said.split()))
 
     def _form(self, before: str, after: str) -> tuple[re.Match[str] | None, str, str, str]:
