@@ -17,9 +17,10 @@ from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.packs.models.text_models import LanguageText
 from lipsync_lang.resolver.language_tables import abbreviations_of
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
-from lipsync_lang.text.phonology.g2p.abbreviation_keys import Expansions, respelled
+from lipsync_lang.text.phonology.g2p.abbreviation_keys import Expansions
 from lipsync_lang.text.phonology.g2p.censored import uncensored
 from lipsync_lang.text.phonology.g2p.spoken_forms import SpokenForms
+from lipsync_lang.text.phonology.g2p.tokens import respelled
 from lipsync_lang.text.phonology.g2p.utterances import Utterances, part_text
 
 with (Path(__file__).parent / "running_lines.tsv").open(encoding="utf-8", newline="") as file:

@@ -6,10 +6,10 @@ import pytest
 
 from lipsync_lang import SpeechError
 from lipsync_lang.text.phonology.g2p import SpokenWord, abbreviation_keys
-from lipsync_lang.text.phonology.g2p.abbreviation_keys import Expansions, respelled
+from lipsync_lang.text.phonology.g2p.abbreviation_keys import Expansions
 from lipsync_lang.text.phonology.g2p.number_words import roman
 from lipsync_lang.text.phonology.g2p.spoken_forms import OwnWord, SpokenForms
-from lipsync_lang.text.phonology.g2p.tokens import read_words
+from lipsync_lang.text.phonology.g2p.tokens import read_words, respelled
 from lipsync_lang.text.phonology.g2p.utterances import Utterances
 
 FORMS = SpokenForms(

@@ -11,15 +11,14 @@ of other scripts are 0 to 9.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache, cached_property, lru_cache
 from itertools import pairwise
-from typing import NamedTuple
 
 from lipsync_lang.text.phonology.g2p.contexts import SEEN_LETTERS, Surroundings, compile_context
 from lipsync_lang.text.phonology.g2p.number_words import DIGITS, number_words, roman
 from lipsync_lang.text.phonology.g2p.spoken_forms import SpokenForms
-from lipsync_lang.text.phonology.g2p.tokens import counts
+from lipsync_lang.text.phonology.g2p.tokens import Replacement, counts, respelled
 
 MAX_SCORE = 999
 """Maximum number of points in a score."""
@@ -75,23 +74,6 @@ _SHOUTED = re.compile(r"[^\W\d_]{2,}|(?<!\d)[^\W\d_]")
 _SPACES = " \u00a0\u202f"
 _LETTERS = r"([^\W\d_][^\s\d!-/:-@\[-`{-~]+)"
 """A letter and more, some of which may be marks on letters."""
-
-
-class Replacement(NamedTuple):
-    """A part of a text, and the text to read in its place."""
-
-    start: int
-    stop: int
-    read: str
-
-
-def respelled(text: str, replacements: Iterable[Replacement]) -> str:
-    """Return a text with replacements, which are in order."""
-    read, at = "", 0
-    for one in replacements:
-        read += text[at : one.start] + one.read
-        at = one.stop
-    return read + text[at:]
 
 
 class AbbreviationKeys:

@@ -5,9 +5,10 @@ from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from unicodedata import name
 
-from lipsync_lang.text.phonology.g2p.abbreviation_keys import Replacement, is_spaced
+from lipsync_lang.text.phonology.g2p.abbreviation_keys import is_spaced
 from lipsync_lang.text.phonology.g2p.drawn_out import folded
 from lipsync_lang.text.phonology.g2p.spoken_forms import SpokenForms
+from lipsync_lang.text.phonology.g2p.tokens import Replacement
 
 _CURSE_SIGN, _SMALL = "[#@$%&*∗]", r"(?=[^\W\d_A-Z])"
 _HIDING = (

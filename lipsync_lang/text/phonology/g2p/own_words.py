@@ -12,11 +12,11 @@ from collections.abc import Collection, Iterable, Mapping
 from itertools import chain
 from typing import NamedTuple
 
-from lipsync_lang.text.phonology.g2p.abbreviation_keys import Replacement, is_spaced, respelled
+from lipsync_lang.text.phonology.g2p.abbreviation_keys import is_spaced
 from lipsync_lang.text.phonology.g2p.g2p_engines import SpokenWord
 from lipsync_lang.text.phonology.g2p.ipa_text import segments
 from lipsync_lang.text.phonology.g2p.spoken_forms import OwnWord, SpokenForms
-from lipsync_lang.text.phonology.g2p.tokens import TextPiece, pieces, plain
+from lipsync_lang.text.phonology.g2p.tokens import Replacement, TextPiece, pieces, plain, respelled
 from lipsync_lang.text.phonology.labels import STRESS, normalise
 
 MIN_PREFIXED_CHARS = 3

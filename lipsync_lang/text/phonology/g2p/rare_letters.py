@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from unicodedata import name, normalize
 
-from lipsync_lang.text.phonology.g2p.abbreviation_keys import Replacement
+from lipsync_lang.text.phonology.g2p.tokens import Replacement
 
 COMMON_END = "\u024f"
 """Last letter of Latin Extended-B; engines have nearly all letters up to here."""

@@ -1,7 +1,7 @@
 """A text cut into words, pauses and symbols, and read word by word."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 from unicodedata import category, normalize
@@ -48,6 +48,23 @@ def _class(character: str) -> str:
 def counts(character: str) -> bool:
     """Test a character for a letter, a digit, or a mark on one."""
     return _class(character) in "wn"
+
+
+class Replacement(NamedTuple):
+    """A part of a text, and the text to read in its place."""
+
+    start: int
+    stop: int
+    read: str
+
+
+def respelled(text: str, replacements: Iterable[Replacement]) -> str:
+    """Return a text with replacements, which are in order."""
+    read, at = "", 0
+    for one in replacements:
+        read += text[at : one.start] + one.read
+        at = one.stop
+    return read + text[at:]
 
 
 class TextPiece(NamedTuple):

@@ -12,12 +12,7 @@ from typing import NamedTuple
 from unicodedata import name
 
 from lipsync_lang.base.errors import SpeechError
-from lipsync_lang.text.phonology.g2p.abbreviation_keys import (
-    Expansions,
-    Replacement,
-    is_spaced,
-    respelled,
-)
+from lipsync_lang.text.phonology.g2p.abbreviation_keys import Expansions, is_spaced
 from lipsync_lang.text.phonology.g2p.censored import uncensored
 from lipsync_lang.text.phonology.g2p.drawn_out import (
     MAX_STUTTER_CHARS,
@@ -37,7 +32,14 @@ from lipsync_lang.text.phonology.g2p.g2p_engines import SpokenWord, merged
 from lipsync_lang.text.phonology.g2p.own_words import OwnWords
 from lipsync_lang.text.phonology.g2p.rare_letters import RareLetters
 from lipsync_lang.text.phonology.g2p.spoken_forms import OwnWord, SpokenForms
-from lipsync_lang.text.phonology.g2p.tokens import PAUSES, TextPiece, pieces, plain
+from lipsync_lang.text.phonology.g2p.tokens import (
+    PAUSES,
+    Replacement,
+    TextPiece,
+    pieces,
+    plain,
+    respelled,
+)
 
 _LEAD = frozenset((*PAUSES, *" \t\r\n\u00a0\u202f\u3000-·"))
 """Characters at the start of a part that only part it from the one before."""
