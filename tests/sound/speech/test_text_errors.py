@@ -132,6 +132,16 @@ def test_a_line_that_is_heard_badly_needs_more_evidence_of_another_order(
     assert not told(found, ORDER)
 
 
+@pytest.mark.parametrize("before", ["were", "hogs", "and"])
+def test_a_word_that_is_not_said_is_no_other_order(english, spoken, before):
+    # without it, the words have the order of the text
+    text = TEXT.replace(before, f"tremendous {before}")
+    found = aligned(english, spoken.audio, text, aligner="pocketsphinx")
+    assert found.left_out == ("tremendous",)
+    assert not told(found, ORDER)
+    assert found.confidence > DOUBTFUL
+
+
 @pytest.mark.parametrize(("sure", "searched"), [(0.2, True), (0.01, False)])
 def test_a_line_in_doubt_is_searched_for_another_order(
     english, spoken, monkeypatch, sure, searched

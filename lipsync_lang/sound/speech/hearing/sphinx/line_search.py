@@ -184,6 +184,7 @@ class TextErrors:
         for one in self._said:
             ways[one.word] += (one.phone,)
         # the pronunciation that is heard, or the first one of a word that is left out
+        self._lost = {word for word, way in enumerate(ways) if not way}
         self._ways = [way or some[0] for way, some in zip(ways, words, strict=True)]
         first, stop = self._said[0].first, self._said[-1].stop
         self._others = [one for one in heard if one.word == one.phone == OUTSIDE]
@@ -192,7 +193,7 @@ class TextErrors:
         # are left out, which may be said there.
         self._start = first if before >= MIN_OTHER_FRAMES else max(first - MARGIN_FRAMES, 0)
         end = stop if after >= MIN_OTHER_FRAMES else stop + MARGIN_FRAMES
-        if not all(ways):
+        if self._lost:
             first, self._start, stop, end = 0, 0, len(features), len(features)
         self._within = slice(max(first - margin - self._start, 0), stop + margin - self._start)
         self._sound = Listening(model, features[self._start : end])
@@ -214,7 +215,8 @@ class TextErrors:
         rests = [[*order[:at], *order[at + 1 :]] for at in range(len(order))]
         moved = [n for n, rest in enumerate(rests) if rest == sorted(rest)]
         # without a single word that moved, parts are exchanged, or words at several places
-        moved = moved or [n for n, one in enumerate(order) if one - 1 not in order[n - 1 : n]]
+        after_it = dict(pairwise(sorted(order)))
+        moved = moved or [n for n, one in enumerate(order) if after_it.get(order[n - 1]) != one]
         for at in moved:
             after = order[at - 1] if at else OUTSIDE
             if not any(_follows(known, after, order[at]) for known in (self._ways, texts)):
@@ -231,10 +233,11 @@ class TextErrors:
         exchanged, moved, parts = (self._misheard * log for log in ORDER_LOGS)
 
         def spoken(word: int, ends: Sequence[int], price: float = 0.0) -> list[int]:
-            """Add a word after others, and an optional pause."""
+            """Add a word after others, and an optional pause; a word that is left out may lack."""
             pause = graph.add(PAUSE, OUTSIDE, OUTSIDE, ends)
             prices[len(graph.nodes)] = price
-            return graph.word(word, [self._ways[word]], OUTSIDE, OUTSIDE, [*ends, pause])
+            said = graph.word(word, [self._ways[word]], OUTSIDE, OUTSIDE, [*ends, pause])
+            return [*said, *ends] if word in self._lost else said
 
         for at in range(count):
             before = joins[at]
@@ -256,7 +259,7 @@ class TextErrors:
             last = spoken(word, [SOUND_START, *last])
         for word in range(count - 1):
             last = spoken(word, last, 0.0 if word else parts)
-            ends += last
+            ends += [one for one in last if one != SOUND_START]
         ends.append(graph.add(PAUSE, OUTSIDE, OUTSIDE, ends))
         # without context: a model knows those of its own language alone
         scores = self._alone[self._within, self._phones(graph)]
@@ -484,9 +487,8 @@ def _alone(
     end: int,
 ) -> FoundLine:
     """Search for words in a part of a sound; the rest is other sound."""
-    first, stop = part
     # the sound around the words of a part is not theirs
-    found = _found(models, sound.part(first, stop), words, margin=0)
+    found = _found(models, sound.part(*part), words, margin=0)
     left_out = any(one.phone == OUTSIDE != one.word for one in found.heard)
     if left_out or found.sure < DOUBTFUL:
         return FoundLine([], 0.0)

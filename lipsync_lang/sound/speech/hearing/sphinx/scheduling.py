@@ -195,8 +195,7 @@ def line_confidence(heard: Sequence[HeardPhoneme]) -> float:
     others = [o for o in heard if o.phone == OUTSIDE and o.noise < SPEECH_NOISE_FIT]
     before = sum(_frames(one) for one in others if one.first < said[0].first)
     after = sum(_frames(one) for one in others if one.first > said[-1].first)
-    among = sum(map(_frames, others)) - before - after
-    other = among + min(before, MAX_BESIDE_FRAMES) + min(after, MAX_BESIDE_FRAMES)
+    other = sum(map(_frames, others)) - sum(max(0, n - MAX_BESIDE_FRAMES) for n in (before, after))
     noise = sum(one.noise * _frames(one) for one in said) / spoken
     din = DIN_WEIGHT * max(0.0, noise - SPEECH_NOISE_FIT)
     evidence = (*_fit_and_hurry(said), spoken / (spoken + other), 1 / len(said), 1.0)
