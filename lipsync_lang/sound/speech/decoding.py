@@ -105,7 +105,7 @@ def decoded(path: Path, found: Compression) -> Iterator[Path]:
             lines = ended.stderr.decode("utf-8", "replace").split("\n")
             why = next((line.strip() for line in lines if line.strip()), f"code {ended.returncode}")
             what = f"{path}: it is {found.title}, and ffmpeg finds no sound in it"
-            raise SpeechError(f"{what}: {why.rstrip('.')}; check that it plays, and has a sound track")
+            raise SpeechError(f"{what}: {why.rstrip('.')}; check that it plays, with sound")
         if wav.stat().st_size >= MAX_DECODED_BYTES:
             most = MAX_DECODED_BYTES >> 30
             raise SpeechError(f"{path}: is larger than {most} GB when decoded; cut it into lines")
