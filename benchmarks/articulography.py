@@ -17,11 +17,12 @@ from pathlib import Path
 
 import json_figures
 import numpy as np
+from curve_sums import read_out
 
 import lipsync_lang as ll
 from lipsync_lang.packs.finding import MODEL_SUFFIXES
 from lipsync_lang.plugins.capture.capture_reading import read_captures
-from lipsync_lang.reports.quality.baselines import dominance, keyframes, read_out
+from lipsync_lang.reports.quality.baselines import dominance, keyframes
 from lipsync_lang.sound.speech.sound import read_audio
 
 LANGUAGE = "german"

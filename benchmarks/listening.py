@@ -30,10 +30,10 @@ import articulography
 import hearing
 import json_figures
 import numpy as np
+from curve_sums import read_out
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.reports.quality.baselines import read_out
 from lipsync_lang.sound.speech.sound import read_audio, resampled
 
 POSESET, MEASURES = "facefx", {"aperture": 1.0, "protrusion": -1.0}

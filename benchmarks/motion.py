@@ -32,11 +32,11 @@ from pathlib import Path
 import articulography
 import json_figures
 import numpy as np
+from curve_sums import read_out
 
 import lipsync_lang as ll
 from lipsync_lang.pipeline.hold import demands
 from lipsync_lang.reports.quality import curve_statistics as statistics
-from lipsync_lang.reports.quality.baselines import read_out
 from lipsync_lang.reports.quality.face_columns import face_of
 from lipsync_lang.reports.quality.likeness import CAPTURE_FPS
 

@@ -170,8 +170,3 @@ def compare(
         name: check(animation, performer=performer, limits=limits)
         for name, animation in (performed | plain).items()
     }
-
-
-def read_out(animation: Animation, gains: dict[str, float]) -> Floats:
-    """Return a pose set's measure over an animation: (T,), the sum of gain x pose."""
-    return np.sum([gain * animation[pose] for pose, gain in gains.items()], axis=0)
