@@ -31,8 +31,7 @@ class FormatNames(NamedTuple):
 @cache
 def names(file: Path) -> FormatNames:
     """Read a list of names: shapes, and below a blank line turns of the head."""
-    text = file.read_text(encoding="utf-8")
-    shapes, _, turns = text.partition("\n\n")
+    shapes, _, turns = file.read_text(encoding="utf-8").partition("\n\n")
     return FormatNames(tuple(shapes.split()), tuple(turns.split()))
 
 

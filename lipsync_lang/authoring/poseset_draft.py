@@ -406,8 +406,7 @@ def _wrapped(head: str, items: Iterable[str], end: str) -> Iterator[str]:
     line, indent = head, "#   " if head.startswith("#") else " " * len(head)
     told = list(items)
     for number, item in enumerate(told):
-        last = number == len(told) - 1
-        more = item + (end if last else ", ")
+        more = item + (end if number == len(told) - 1 else ", ")
         if len(line) + len(more) > WRAP_CHARS and line.strip(" #"):
             yield line.rstrip()
             line = indent

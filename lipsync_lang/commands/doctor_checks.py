@@ -239,10 +239,8 @@ def _project_extras() -> dict[str, list[str]]:
 
 def _extra(extra: Extra) -> CheckedPart:
     part, line = f"extra {extra.name}", install_line(extra.name)
-    missing = extra.missing()
-    if missing:
-        told = f"{extra.purpose} (for {extra.used_by}): {line}"
-        return CheckedPart(part, MISSING, told)
+    if extra.missing():
+        return CheckedPart(part, MISSING, f"{extra.purpose} (for {extra.used_by}): {line}")
     fault = fault_of(f"import {', '.join(extra.modules)}")
     if fault and extra.system:
         return CheckedPart(part, MISSING, f"{extra.purpose}; your system lacks {extra.system}")

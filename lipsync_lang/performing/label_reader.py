@@ -232,8 +232,7 @@ class LabelReader:
 
     def classes(self, sounds: LabelSounds, count: int) -> list[str]:
         """Return the sound class of the first sound of each label; empty for silence."""
-        kinds = self.kinds
-        return [kinds[number] for number in sounds.firsts(count).tolist()]
+        return [self.kinds[number] for number in sounds.firsts(count).tolist()]
 
     def stresses(self, sounds: LabelSounds) -> Ints:
         """Return the stress of each vowel: 0 for none, 1 or 2; empty if nothing marks any.

@@ -273,8 +273,7 @@ class PairPacks:
     @cached_property
     def drawn(self) -> tuple[DrawnBigrams, ...]:
         """Bigrams of the first three layers by file; earlier files take precedence."""
-        own = self.character
-        found = [self._file("character", own)]
+        found = [self._file("character", self.character)]
         for bank in (*self.own_banks, *self.banks):
             layer = "character" if bank in self.own_banks else "shared"
             if layer == "shared" and bank.model.language is not None:

@@ -128,8 +128,7 @@ class ClientSound:
 
     def hear(self, raw: bytes) -> dict[str, Any]:
         """Hear samples, and return the frames that are final with them."""
-        size = self.form.frame_bytes
-        if len(raw) % size:
+        if len(raw) % self.form.frame_bytes:
             raise LipsyncError(
                 f"a message of {len(raw)} bytes ends within a sample of {self.form.format}, and "
                 "is not heard; send whole samples"

@@ -222,8 +222,7 @@ class EntryWords:
             names = []
         found = [(one, "letters") for one in self._foreign.tallies()]
         found += [(one, "name") for one in names]
-        named = {plain(one.what) for one, _ in found}
-        differing = self._differing() - named
+        differing = self._differing() - {plain(one.what) for one, _ in found}
         found += [(one, "engines") for one in self._all.tallies() if one.what in differing]
         told = (EntryWord(**one.model_dump(), why=why) for one, why in found)
         return tuple(sorted(told, key=lambda one: (-one.count, one.what)))

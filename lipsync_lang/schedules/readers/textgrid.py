@@ -205,5 +205,4 @@ class _Values:
     def interval(self) -> LabelRow:
         """Return the next interval."""
         start, end = self.take("dd")
-        text = self.text()
-        return LabelRow(text, self.source.number(start), self.source.number(end))
+        return LabelRow(self.text(), self.source.number(start), self.source.number(end))

@@ -64,8 +64,7 @@ def timings(workshop: Workshop, request: StudioRequest) -> PackedResponse:
 
     with TemporaryDirectory() as folder, unnamed_encoding():
         found = read_timings(sent_file(request, Path(folder)), request.query.get("notation"))
-    speaker = workshop.performer.speaker
-    schedule = with_phonemes(speaker, found)
+    schedule = with_phonemes(workshop.performer.speaker, found)
     workshop.performer.common_phonemes(schedule)  # refuses labels of no notation
     # the words can be typed anew, unless they are a whole scene
     text = " ".join(word.text for word in schedule.words)
@@ -137,8 +136,7 @@ def _settings(stated: Any) -> LineSettings:
     given = LineSettings(**{key: value for key, value in stated.items() if value is not None})
     listed(given.placed, "placed")
     numbers = [given.fps, *([] if given.intensity is None else [given.intensity])]
-    levels = [given.styles, given.dials, given.bends]
-    for table in levels:
+    for table in (given.styles, given.dials, given.bends):
         if not isinstance(table, dict):
             raise LipsyncError("`styles`, `dials` and `bends` must be objects of names and levels")
         for level in table.values():

@@ -54,8 +54,7 @@ def _first(workshop: Workshop, library: Library) -> Json | None:
 
 def tour(workshop: Workshop, request: StudioRequest) -> Json:
     """Return the tour of a pose set: its language, its line and its steps."""
-    library = workshop.library()
-    path = _tour(library, request.name)
+    path = _tour(workshop.library(), request.name)
     try:
         # a tour that is cut off here is no JSON any more, and is refused as such
         found: Json = json.loads(path.read_bytes()[:MAX_TOUR_BYTES] if path else b"")

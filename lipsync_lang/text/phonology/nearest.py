@@ -122,8 +122,7 @@ class NearestPhonemes:
     def from_plain(cls, data: Mapping[str, Any]) -> Self:
         """Make it of the data of the IPA and candidates, as JSON holds them."""
         shades = {name: ShadeLabels(*told) for name, told in data.get("shades", {}).items()}
-        features = Features(data["features"])
-        return cls(features, data["candidates"], shades)
+        return cls(Features(data["features"]), data["candidates"], shades)
 
     def value(self, label: str) -> Value | None:
         """Return the nearest common phonemes; None if the label is not IPA, or none is near."""

@@ -290,11 +290,6 @@ class ReportView:
         needed: Mapping[str, int] = self.document["needed"]
         return {share: needed[share] for share in sorted(needed, key=float)}
 
-    @property
-    def hours_of_next(self) -> float:
-        """Hours to draw the bigrams that come next."""
-        return len(self.document["next_hour"]["bigrams"]) * self.minutes / 60
-
     def distribution(self) -> Chart:
         """Chart the share of each bigram, by rank, in the colour of its status (figure 2)."""
         rows, codes = self.rows, list(map(self.states.status_code, self.rows))
@@ -347,11 +342,6 @@ class ReportView:
             for bigram, (number, row) in numbered.items()
         }
         return axis, [[cells.get(f"{first}-{second}") for second in axis] for first in axis]
-
-    def other_scripts(self, *, counted: bool) -> list[Mapping[str, Any]]:
-        """Return the counted or the uncounted words in other scripts."""
-        words = self.document.get("other_scripts", ())
-        return [word for word in words if word["counted"] == counted]
 
     def place(self, place: str) -> str:
         """Return a place without the common folder of all files."""
