@@ -3,6 +3,8 @@
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from lipsync_lang.base.presentation.text_templates import filled
+
 BIGRAM_SIZE = 2
 """Phonemes of a bigram."""
 
@@ -88,30 +90,6 @@ class Explanation:
         return asdict(self)
 
     def __str__(self) -> str:
-        where = f", in '{self.word}'" if self.word else ""
-        common = f"{self.common} (a shade of {self.shade_of})" if self.shade_of else self.common
-        sound = f"{self.phoneme} as {common}, {self.start:.3f} to {self.end:.3f} s{where}"
-        lines = [f"{self.seconds:.3f} s (frame {self.frame}): {sound}"]
-        if self.likely:
-            told = ", ".join(f"{label} {chance:.2f}" for label, chance in self.likely)
-            lines.append(f"  likeliest by sound: {told}")
-        for bigram in self.bigrams:
-            example = f", as in {bigram.word}" if bigram.word else ""
-            drawn = f", drawn as {'-'.join(bigram.drawn_as)}" if bigram.drawn_as else ""
-            lines.append(
-                f"  {bigram.unit} {'-'.join(bigram.pair)} at {bigram.position:.2f}{example}: "
-                f"{bigram.layer}, {bigram.status or 'none'}{drawn}"
-            )
-            lines.extend(f"    {place}" for place in bigram.places)
-            for one in bigram.styles:
-                told = f"{one.layer}, {one.status}"
-                lines.append(f"    style {one.style} {one.share:.2f}: {told}")
-                lines.extend(f"      {place}" for place in one.places)
-        resting = []
-        for pose in self.poses:
-            steps = [f"    {s.stage:<9} {s.weight:.3f}  {s.why}" for s in pose.stages if s.why]
-            if steps:
-                lines += [f"  {pose.pose} = {pose.weight:.3f}", *steps]
-            else:
-                resting.append(pose.pose)
-        return "\n".join([*lines, f"  at rest: {', '.join(resting)}"] if resting else lines)
+        resting = [pose.pose for pose in self.poses if not any(one.why for one in pose.stages)]
+        values = {**vars(self), "resting": resting}
+        return filled(__package__, "explanation", values).removesuffix("\n")

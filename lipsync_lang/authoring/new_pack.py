@@ -16,8 +16,9 @@ from typing import BinaryIO
 from lipsync_lang.base.errors import LipsyncError, PackError
 from lipsync_lang.base.files import write_all
 from lipsync_lang.base.files.reach import refuse_outside
+from lipsync_lang.base.presentation.text_templates import filled
 from lipsync_lang.packs.finding import WHOLE_MODELS
-from lipsync_lang.packs.yaml.value_text import as_scalar, filled
+from lipsync_lang.packs.yaml.value_text import as_scalar, on_one_line
 
 WRAP_CHARS = 100
 """Maximum line width in characters for wrapped lists."""
@@ -79,7 +80,8 @@ def check_name(name: str, existing: Path | None = None) -> None:
 
 def from_template(name: str, /, **known: object) -> str:
     """Return the text of a pack."""
-    return filled(__package__ or "", f"templates/{name}", known)
+    # YAML would take a name such as 007 for a number, and "no" for false.
+    return filled(__package__ or "", f"templates/{name}", known, yaml=on_one_line)
 
 
 def place_model(model: Path, pack: Path) -> tuple[str, NewFiles]:

@@ -7,7 +7,7 @@ does not draw is compared with the larger of its two bigrams there. Banks of oth
 speaking, and a character's words, lines and motion, are not looked at.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -16,6 +16,7 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
+from lipsync_lang.base.presentation.text_templates import filled
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Character
 from lipsync_lang.packs.pack import Pack
@@ -300,30 +301,11 @@ def told(diff: Diff, most: int | None = None) -> str:
     """Return a comparison in words, with figures for at most `most` bigrams."""
     shown = diff.named[:most]
     trigrams = any(change.after.origin.triple for change in shown)
-    units = "bigrams and trigrams" if trigrams else "bigrams"
-    differ = f"{len(diff.changes)} of {diff.total} {units} differ"
-    lines = [f"{diff.language} on {diff.character} against {diff.against}: {differ}"]
-    for change in shown:
-        lines += _told_change(change)
-    if len(shown) < len(diff.named):
-        lines.append(f"... and {len(diff.named) - len(shown)} that differ less (--all)")
-    return "\n".join(lines)
-
-
-def _told_change(change: BigramChange) -> Iterable[str]:
-    before, after = change.before, change.after
-    word = f", as in {change.word}" if change.word else ""
-    if not change.changed:
-        yield f"{change.bigram}{word}: the same"
-        return
-    notes = [f"{before} -> {after}"]
-    if before.boundary != after.boundary:
-        old, new = (", ".join(f"{one:g}" for one in side.boundaries) for side in (before, after))
-        notes.append(f"boundary {old} -> {new}")
-    if before.free != after.free:
-        notes.append("contacts waived" if after.free else "contacts held")
-    yield f"{change.bigram}{word}: {'; '.join(notes)}"
-    width = max((len(pose.pose) for pose in change.poses), default=0)
-    for pose in change.poses:
-        figures = f"{pose.largest:+.2f} at {pose.at:.2f}  rms {pose.rms:.2f}  area {pose.area:.2f}"
-        yield f"  {pose.pose:<{width}}  {figures}"
+    facts = {
+        **vars(diff),
+        "changes": diff.changes,
+        "shown": shown,
+        "units": "bigrams and trigrams" if trigrams else "bigrams",
+        "numbers": lambda values: ", ".join(f"{one:g}" for one in values),
+    }
+    return filled(__package__, "bank_diff", facts).removesuffix("\n")

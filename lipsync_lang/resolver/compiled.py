@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lipsync_lang.base.errors import count
 from lipsync_lang.base.grouping import grouped
+from lipsync_lang.base.presentation.text_templates import filled
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.text.phonology.labels import Value
 
@@ -78,8 +79,6 @@ class Report:
     """Layer of each trigram that this pair plays."""
 
     def __str__(self) -> str:
-        from lipsync_lang.packs.yaml.value_text import filled
-
         pairs = (pair.partition("-") for pair in self.gaps)
         facts = {
             **vars(self),

@@ -7,7 +7,6 @@ is a block with a line for each pose.
 import json
 import re
 from collections.abc import Mapping, Sequence
-from importlib.resources import files
 
 from lipsync_lang.packs.yaml.source import Data
 
@@ -51,19 +50,6 @@ def on_one_line(value: Data) -> str:
     if value is None or isinstance(value, bool):
         return {None: "null", True: "true", False: "false"}[value]
     return str(value)
-
-
-def filled(package: str, template: str, values: Mapping[str, object]) -> str:
-    """Fill a template in a package's folder; its filter `yaml` writes a value on one line."""
-    from jinja2 import Environment, StrictUndefined
-
-    environment = Environment(  # noqa: S701 plain text, no HTML
-        undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True
-    )
-    # YAML would take a name such as 007 for a number, and "no" for false.
-    environment.filters["yaml"] = on_one_line
-    text = (files(package) / f"{template}.jinja").read_text("utf-8")
-    return environment.from_string(text).render(values)
 
 
 def wants_block(value: Data) -> bool:

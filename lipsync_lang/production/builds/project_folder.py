@@ -21,9 +21,10 @@ from lipsync_lang.base.files.names import fault_of_name
 from lipsync_lang.base.files.reach import name_folders
 from lipsync_lang.base.files.temporary import temporary_name
 from lipsync_lang.base.files.writing import cannot_write, replace_file
+from lipsync_lang.base.presentation.text_templates import filled
 from lipsync_lang.packs.finding import FOLDERS
 from lipsync_lang.packs.project import FILE
-from lipsync_lang.packs.yaml.value_text import filled, on_one_line
+from lipsync_lang.packs.yaml.value_text import on_one_line
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
@@ -138,4 +139,4 @@ def project_files(
 
 def from_template(name: str, known: Mapping[str, object]) -> str:
     """Return a file of a new project."""
-    return filled(__package__ or "", f"{TEMPLATES}/{name}", known)
+    return filled(__package__ or "", f"{TEMPLATES}/{name}", known, yaml=on_one_line)

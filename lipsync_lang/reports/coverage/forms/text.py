@@ -10,8 +10,8 @@ from typing import TextIO
 from lipsync_lang.base.errors import count, shortlist
 from lipsync_lang.base.grouping import grouped
 from lipsync_lang.base.presentation.text_table import columns
+from lipsync_lang.base.presentation.text_templates import filled
 from lipsync_lang.base.presentation.wording import percentage_text, ranked_text
-from lipsync_lang.packs.yaml.value_text import filled
 from lipsync_lang.reports.coverage.forms import FORMS, FormOptions
 from lipsync_lang.reports.coverage.plan import affordable
 from lipsync_lang.reports.coverage.report import (
