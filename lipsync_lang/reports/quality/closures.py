@@ -184,7 +184,9 @@ class Offset(NamedTuple):
 def offsets(scene: MeasuredScene) -> list[list[Offset]]:
     """Return the offset of each closure, line by line."""
     out: list[list[Offset]] = [[] for _ in scene.spans]
-    for contact in range(len(scene.face.touches)):
+    raised = scene.face.raised
+    # rest makes contacts without a floor: where there are others, those tell the time better
+    for contact in (n for n, floor in enumerate(raised) if floor or not any(raised)):
         for offset in _offsets(scene, contact):
             out[scene.line[offset.phoneme]].append(offset)
     return out
