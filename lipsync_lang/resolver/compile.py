@@ -208,7 +208,7 @@ def _tables(shelf: PairPacks, rows: PairRows, earlier: Sampled | None) -> Tables
         paper=pose_arrays.thresholds(poseset, paper=True),
         priority=pose_arrays.priority(poseset),
         softness=pose_arrays.softness(poseset),
-        anticipate=pose_arrays.anticipate(poseset),
+        anticipate=np.array([pose.anticipate for pose in poseset.poses.values()], float),
         highest=shelf.highest(),
         opposed=shelf.opposed(),
         at_most=tuple(pose_arrays.at_most(poseset)),

@@ -46,19 +46,10 @@ def priority(poseset: PoseSet) -> Floats:
 
 def softness(poseset: PoseSet) -> Floats:
     """(P,) seconds of rounding for each pose: its own, its region's or the default."""
-    regions = poseset.softness
-    return np.array(
-        [
-            regions.get(pose.region, SOFTNESS_SECONDS) if pose.softness is None else pose.softness
-            for pose in poseset.poses.values()
-        ],
-        float,
-    )
-
-
-def anticipate(poseset: PoseSet) -> Floats:
-    """(P,) seconds of anticipation of each pose."""
-    return np.array([pose.anticipate for pose in poseset.poses.values()], float)
+    own, regions = poseset.poses.values(), poseset.softness
+    usual = (regions.get(pose.region, SOFTNESS_SECONDS) for pose in own)
+    pairs = zip((pose.softness for pose in own), usual, strict=True)
+    return np.array([other if stated is None else stated for stated, other in pairs], float)
 
 
 def _numbers(poseset: PoseSet) -> dict[str, int]:

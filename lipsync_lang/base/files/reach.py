@@ -18,9 +18,10 @@ PATH_VARIABLE = "LIPSYNC_LANG_PATH"
 def refuse_outside(path: Path, folder: Path, others: Sequence[Path] = ()) -> None:
     """Raise an error if a path leads outside a project's folder and others that belong to it."""
     if not is_reached(path, folder, others):
+        link = "" if ".." in path.parts else " by a link"
         raise PackError(
-            f"{path}: leads outside {folder} by a link; copy the file into the folder, or allow "
-            "the folder of its target once: --path FOLDER"
+            f"{path}: leads outside {folder}{link}; copy the file into the folder, or allow the "
+            "folder of its target once: --path FOLDER"
         )
 
 
