@@ -39,7 +39,8 @@ def moved(name, dead=()):
         offsets[LOWER, 1] = -OPENINGS[name] * (1 - 4 * ACROSS**2)
         offsets[CHIN, 1] = -OPENINGS[name]
     else:
-        offsets[:22, 2] = 0.05
+        aside = name.endswith("Left") - int(name.endswith("Right"))
+        offsets[:22, 2] = 0.05 * (POINTS[:22, 0] * aside >= 0)
     offsets[:22, 0] = -NARROWINGS.get(name, 0) * POINTS[:22, 0]
     return offsets
 

@@ -223,7 +223,7 @@ def _called(names: Sequence[str], known: models.PoseSet) -> dict[str, str]:
     moved = {pose for step in steps for pose, weight in step.weights.items() if weight > 0}
     poses = tuple(pose for pose in known.poses if pose in moved)
     called: dict[str, str] = {}
-    found = placed(bare(poses, pose_names(known)), names).shapes
+    found = placed(bare(poses, pose_names(known.poses)), names).shapes
     for number, shapes in sorted(found.items()):
         for name in shapes:
             called.setdefault(name, poses[number])

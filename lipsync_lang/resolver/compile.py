@@ -16,7 +16,7 @@ from lipsync_lang.packs import models
 from lipsync_lang.packs.banks.draft import shape
 from lipsync_lang.packs.checking.pack_checks import idle_mouths
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.models.rig_models import expanded, pose_names
+from lipsync_lang.packs.models.rig_models import pose_names
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.project import stated_mouth
 from lipsync_lang.packs.yaml.faults import Fault, shown
@@ -151,7 +151,7 @@ def compile_packs(shelf: PairPacks, rows: PairRows) -> CompiledPair:
         nearest=plain_among(library, spoken) if model.automatic else None,
         manner=_plain(manner.plain()),
         rig=plain_rig(library, who.model.rig, poseset) if who.model.rig is not None else None,
-        pose_names=pose_names(poseset.model),
+        pose_names=pose_names(poseset.model.poses),
         neutral=poseset.model.neutral,
         model=model_file(who, poseset),
         **bigram_fields(shelf, rows),
@@ -372,10 +372,7 @@ def _posture(poseset: models.PoseSet) -> dict[str, Any]:
     """Return the poses of postures, and their limits beside the poses of speech."""
     stated = poseset.posture_poses
     return {
-        "names": {
-            name: [text for one in pose.names for text in expanded(one)]
-            for name, pose in stated.items()
-        },
+        "names": pose_names(stated),
         "softness": [pose.softness for pose in stated.values()],
         "together": [
             [pose.together.get(one, FREE) for one in poseset.poses] for pose in stated.values()
@@ -409,6 +406,7 @@ def _line_delivery(line: models.LineEdits, language: str) -> dict[str, Any]:
 def _gestures(poseset: Pack[models.PoseSet], words: models.GestureWords) -> dict[str, Any]:
     """Return the gestures, their poses, and the words of the language that have them."""
     model = poseset.model
+    spelt = pose_names(model.gesture_poses)
     poses = [
         {
             "name": name,
@@ -417,7 +415,7 @@ def _gestures(poseset: Pack[models.PoseSet], words: models.GestureWords) -> dict
             "speed_limit": pose.speed_limit,
             "channel": {
                 "name": name,
-                "names": [text for one in pose.names for text in expanded(one)],
+                "names": spelt[name],
                 "node": pose.node,
                 "rotation": pose.rotation,
                 "head_axis": pose.head_axis(model.front),

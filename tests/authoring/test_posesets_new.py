@@ -376,7 +376,7 @@ POSES = {
 )
 def test_a_name_is_known_however_it_is_spelled(name, pose):
     known = PoseSet(kind="poseset", format=1, name="known", poses=POSES)
-    found = placed(bare([*POSES], pose_names(known)), [name]).shapes
+    found = placed(bare([*POSES], pose_names(known.poses)), [name]).shapes
     assert next((list(POSES)[number] for number in sorted(found)), None) == pose
 
 

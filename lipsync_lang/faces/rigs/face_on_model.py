@@ -8,6 +8,7 @@ from collections import defaultdict
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import chain
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -34,6 +35,9 @@ OFF_SHARE = 0.7
 
 WRONG_SHARE = 0.25
 """Smallest movement of a misnamed shape, as a share of the farthest of the model."""
+
+SIDE = 0.1
+"""Least distance of what a shape of one side moves from the middle, in widths of the mouth."""
 
 WAYS = {"aperture": ("opens", "shuts"), "width": ("widens", "narrows")}
 """Measures by which shapes are judged, in words for more of it and for less."""
@@ -120,7 +124,7 @@ class FaceOnModel:
 
         poses = (*poseset.poses,)
         if rig is None:
-            channels = bare(poses, pose_names(poseset))
+            channels = bare(poses, pose_names(poseset.poses))
             return cls(poseset, model, channels, np.eye(len(poses)))
         driver = Driver.from_plain(rig, poses, np.zeros(len(poses)))
         return cls(poseset, model, driver.channels, driver.rig.gains)
@@ -129,6 +133,14 @@ class FaceOnModel:
     def found(self) -> ChannelPlaces:
         """The channels on the model."""
         return find(self.channels, self.model)
+
+    @cached_property
+    def silent(self) -> ChannelPlaces:
+        """The poses that only styles and gestures move, on the model."""
+        from lipsync_lang.packs.models.rig_models import pose_names
+
+        poses = {**self.poseset.posture_poses, **self.poseset.gesture_poses}
+        return find(bare((*poses,), pose_names(poses)), self.model)
 
     @cached_property
     def gains(self) -> Floats | None:
@@ -175,6 +187,22 @@ class FaceOnModel:
                     told[pose] = f"on the mesh, {what}: check the names of the shapes"
         return told
 
+    @property
+    def swapped(self) -> tuple[str, ...]:
+        """A sentence about shapes that move the other side of the face, if there are any."""
+        moved, places = measured(self.model), {**self.silent.places, **self.found.places}
+        shapes = {pose: [one for one in own if one in moved] for pose, own in places.items()}
+        aside = {pose: sum(moved[one].aside for one in own) for pose, own in shapes.items()}
+        pairs = (self.poseset.mirrors(part).items() for part in self.poseset.mirrored)
+        wrong = [
+            shape
+            for left, right in chain.from_iterable(pairs)
+            if aside.get(left, 0.0) < -SIDE and aside.get(right, 0.0) > SIDE
+            for shape in (*shapes[left], *shapes[right])
+        ]
+        what = f"the other side of the face moves with {some(wrong)}: check the names of the shapes"
+        return (f"on the mesh, {what}",) if wrong else ()
+
     @cached_property
     def resting(self) -> frozenset[str]:
         """Misnamed poses, and their counterparts of the other side, which move alike."""
@@ -190,8 +218,8 @@ class FaceOnModel:
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """Doubtful matches, dead shapes, and misnamed ones."""
-        return (*self.found.doubts, *dict.fromkeys(self.misnamed.values()))
+        """Doubtful matches, dead shapes, misnamed ones, and those of the other side."""
+        return (*self.found.doubts, *dict.fromkeys(self.misnamed.values()), *self.swapped)
 
     @property
     def unsolved(self) -> tuple[str, ...]:

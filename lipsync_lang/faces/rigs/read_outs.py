@@ -79,6 +79,8 @@ class ShapeReadOut:
     """Farthest way of a point of the tongue to the front, past that of jaw and lips."""
     tongue_up: float
     """Farthest way of a point of the tongue upwards, past that of the lips."""
+    aside: float
+    """Place of what it moves, from the middle of the mouth to the left; the mean by way."""
 
 
 SOUND_MEASURES = ("aperture", "width", "protrusion", "jaw")
@@ -98,6 +100,8 @@ class MouthPoints:
     chin: Ints
     tongue: Ints
     width: float
+    aside: Floats
+    """(V,) places of the points to the left of the middle, in units of the model."""
 
     def measure(self, moved: Floats) -> ShapeReadOut:
         """Measure a shape by its (V, 3) offsets at full weight."""
@@ -106,6 +110,7 @@ class MouthPoints:
         lips = (above[middle] + below[middle]) / 2
         right, left = (above[end] + below[end] for end in (0, -1))
         chin = moved[self.chin].mean(axis=0)
+        ways = np.abs(moved).sum(axis=1)
         inside = moved[self.tongue] if len(self.tongue) else np.zeros((1, 3))
         found = (
             above[middle, 1] - below[middle, 1],
@@ -115,6 +120,7 @@ class MouthPoints:
             -chin[1],
             max(0.0, inside[:, 2].max() - max(0.0, chin[2], lips[2])),
             max(0.0, inside[:, 1].max() - max(0.0, *above[:, 1], *below[:, 1])),
+            self.aside @ ways / (ways.sum() or 1.0),
         )
         return ShapeReadOut(*(float(value / self.width) for value in found))
 
@@ -201,7 +207,7 @@ def find_mouth(rest: Floats, shapes: Mapping[str, Floats], path: Path) -> MouthP
         np.flatnonzero((np.abs(off - center) < half).all(axis=1))
         for center, half in (CHIN_BOX, TONGUE_BOX)
     )
-    return MouthPoints(found, chin if len(chin) else found[1], tongue, width)
+    return MouthPoints(found, chin if len(chin) else found[1], tongue, width, off[:, 0] * width)
 
 
 def _touching(rest: Floats, opened: Floats, fronts: Ints, width: float) -> Ints:

@@ -288,7 +288,8 @@ class PoseSet(PackModel):
     gestures: dict[Text, Gesture] = Field(default={})
     """Blinks, raised brows, nods and the like; `--gestures` turns them on."""
     mirrored: dict[Text, Text] = Field(default={})
-    """Parts of the names of mirrored poses, such as `Left: Right`; timelines show a pair as one."""
+    """Parts of the names of mirrored poses, such as `Left: Right`, that of the face's left first;
+    timelines show a pair as one."""
     measures: dict[Text, dict[PoseName, float]] = Field(default={})
     """Sums of gain times pose, for reports; drawn mouths show `aperture` and `protrusion`."""
     checks: Checks = Checks()

@@ -1,7 +1,7 @@
 """Models of rigs: packs that drive the shapes and bones of a model."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import product
 from math import prod
 from typing import Any, Literal, NamedTuple, Self
@@ -143,7 +143,7 @@ def names_of(rig: RigPack) -> dict[str, tuple[str, ...]]:
 
 def plain_channels(rig: RigPack, to: PoseSet | None) -> list[dict[str, Any]]:
     """Return every channel as plain data; its names include those of the pose in `to`."""
-    known = pose_names(to) if to is not None else {}
+    known = pose_names(to.poses) if to is not None else {}
     own = names_of(rig)
     return [
         {
@@ -155,9 +155,9 @@ def plain_channels(rig: RigPack, to: PoseSet | None) -> list[dict[str, Any]]:
     ]
 
 
-def pose_names(poseset: PoseSet) -> dict[str, list[str]]:
-    """Map each pose to its other names in models, braces expanded."""
+def pose_names(poses: Mapping[str, Any]) -> dict[str, list[str]]:
+    """Map each pose, also of postures and gestures, to its other names in models."""
     return {
         pose: list(dict.fromkeys(name for spelt in stated.names for name in expanded(spelt)))
-        for pose, stated in poseset.poses.items()
+        for pose, stated in poses.items()
     }

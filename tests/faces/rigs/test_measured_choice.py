@@ -327,6 +327,19 @@ def test_a_misnamed_shape_is_left_out_and_named(human, tmp_path, monkeypatch, re
     assert "solved without" not in "\n".join(kept.report.idle)
 
 
+@pytest.mark.parametrize("turn", [1, -1])
+def test_shapes_of_the_other_side_are_named_once(cli, tmp_path, monkeypatch, turn):
+    monkeypatch.chdir(tmp_path)
+    path, both = tmp_path / "head.glb", ("mouthSmileLeft", "mouthSmileRight")
+    (tmp_path / "line.tsv").write_text("0\t0.2\tM\n0.2\t0.4\tAA\n")
+    line = ("run", "-l", "english", "-c", path, "--schedule", "line.tsv", "-o", "line.csv")
+    around = np.diag([turn, 1, turn])
+    for shapes, count in (({}, 0), (dict(zip(both, both[::-1], strict=True)), 1)):
+        path.write_bytes(changed(face(path, *ARKIT, turn=around).read_bytes(), (), shapes))
+        told = f"on the mesh, the other side of the face moves with {', '.join(both)}: check"
+        assert cli(*line).err.count(told) == count
+
+
 def test_a_head_that_opens_only_by_a_misnamed_shape_is_refused(tmp_path):
     path = exchanged(tmp_path / "head.glb", "jawOpen", "mouthSmileLeft", *ARKIT)
     with pytest.raises(ll.ModelError, match=r"arkit opens the mouth: the widest .* 0\.000"):

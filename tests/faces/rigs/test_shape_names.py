@@ -172,7 +172,7 @@ REAL = {
 
 
 def of_set(poseset):
-    names = pose_names(poseset)
+    names = pose_names(poseset.poses)
     return [Channel(pose, tuple(names[pose])) for pose in poseset.poses]
 
 
