@@ -39,7 +39,13 @@ WRONG_SHARE = 0.25
 SIDE = 0.1
 """Least distance of what a shape of one side moves from the middle, in widths of the mouth."""
 
-WAYS = {"aperture": ("opens", "shuts"), "width": ("widens", "narrows")}
+SEEN_CORNERS = 0.02
+"""Least way of the corners of a misnamed shape of a style, up or down."""
+
+WAYS = {
+    "aperture": ("opens", "shuts"), "width": ("widens", "narrows"),
+    "corners": ("raises the corners of", "lowers the corners of"),
+}  # fmt: skip
 """Measures by which shapes are judged, in words for more of it and for less."""
 
 
@@ -166,7 +172,7 @@ class FaceOnModel:
         """
         moved, told = measured(self.model), {}
         widest = max(moved, key=lambda name: moved[name].aperture, default="")
-        for measure, way in WAYS.items():
+        for measure in ("aperture", "width"):
             stated = self.poseset.measures.get(measure, {})
             most = max((abs(getattr(one, measure)) for one in moved.values()), default=0.0)
             if self.gains is None or not any(stated.values()) or most < LEAST_MOUTH:
@@ -176,8 +182,8 @@ class FaceOnModel:
                 asked = stated.get(pose, 0.0) / max(map(abs, stated.values()))
                 far = min(abs(does) / WRONG_SHARE, abs(does - asked) / OFF_SHARE) > 1
                 off = far and does * asked <= 0 and (asked != 0 or measure == "aperture")
-                size, named = abs(does) * most, some(self.found.places.get(pose, (pose,)))
-                what = f"{named} {way[int(does < 0)]} the mouth by {size:.2f} of its width"
+                named = some(self.found.places.get(pose, (pose,)))
+                what = _told(named, measure, does * most)
                 if measure == "aperture" and asked == 1 and does * most < LEAST_MOUTH:
                     size = moved[widest].aperture
                     off = bool(self.wide & self.found.places.keys()) and size >= LEAST_MOUTH
@@ -185,6 +191,12 @@ class FaceOnModel:
                     what = f"{named} hardly opens the mouth, {other}"
                 if off:
                     told[pose] = f"on the mesh, {what}: check the names of the shapes"
+        for pose, stated_pose in self.poseset.posture_poses.items():
+            shapes = [one for one in self.silent.places.get(pose, ()) if one in moved]
+            way = sum(moved[shape].corners for shape in shapes)
+            if way * stated_pose.corners < 0 and abs(way) > SEEN_CORNERS:
+                what = _told(some(shapes), "corners", way)
+                told[pose] = f"on the mesh, {what}: check the names of the shapes"
         return told
 
     @property
@@ -247,6 +259,11 @@ class FaceOnModel:
                 f"{widest}, by {seen.aperture:.3f}. Make those that open it poses with "
                 f"`lipsync-lang posesets new`, or {mend} in a character"
             )
+
+
+def _told(named: str, measure: str, does: float) -> str:
+    """Say what shapes do to the mouth, by how much of its width."""
+    return f"{named} {WAYS[measure][int(does < 0)]} the mouth by {abs(does):.2f} of its width"
 
 
 def without(poseset: "models.PoseSet", resting: Collection[str]) -> "models.PoseSet":

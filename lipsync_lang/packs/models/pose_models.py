@@ -89,6 +89,9 @@ class PosturePose(Strict):
     """The shape in words."""
     names: tuple[Text, ...] = ()
     """Other names of the pose in models; `{Left,Right}` stands for two names, `*` for any text."""
+    corners: Annotated[float, Field(ge=-1, le=1)] = 0
+    """Way of the mouth's corners: a shape that lowers them is misnamed if this is above 0, and one
+    that raises them if it is below."""
     softness: Softness = 0.1
     """Seconds of rounding off."""
     together: dict[PoseName, Annotated[float, Field(gt=0, le=2)]] = Field(default={})

@@ -264,6 +264,8 @@ def human(tmp_path, monkeypatch):
 
     def moves(name, dead=()):
         offsets = moved(name, dead)
+        up = {"mouthSmileL": 0.1, "mouthSmileR": 0.1, "mouthFrownL": -0.1, "mouthFrownR": -0.1}
+        offsets[:22, 1] += up.get(name[:11], 0.0) * np.tile(2 * np.abs(ACROSS), 2)
         way = {
             "mouthSmile": SMILE,
             "mouthStretch": SMILE,
@@ -305,6 +307,17 @@ MISNAMED = [
     ({"jawOpen": "mouthFunnel"}, {"jawOpen"}),
     ({}, set()),
 ]
+
+
+def test_misnamed_shapes_of_styles_are_named_and_left_out(human):
+    shapes = (*ARKIT, "mouthFrownLeft", "mouthFrownRight")
+    pairs = {f"mouthSmile{side}": f"mouthFrown{side}" for side in ("Left", "Right")}
+    for renamed in ({}, pairs):
+        compiled = ll.resolve("english", human(renamed, *shapes)).compiled
+        idle = "\n".join(compiled.report.idle)
+        assert ("mouthSmileLeft lowers the corners of the mouth by 0.1" in idle) == bool(renamed)
+        assert ("mouthFrownRight raises the corners of the mouth by 0.1" in idle) == bool(renamed)
+        assert (max(compiled.style_drafts["happy"]["posture"]) > 0.5) == (not renamed)
 
 
 @pytest.mark.parametrize(("renamed", "resting"), MISNAMED)
