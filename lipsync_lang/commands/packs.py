@@ -2,6 +2,7 @@
 
 import sys
 from argparse import Namespace
+from dataclasses import replace
 from textwrap import indent
 from typing import TYPE_CHECKING, Any
 
@@ -62,23 +63,28 @@ def packs(options: Namespace) -> int:
 
 
 def _with_losses(library: "Library", options: Namespace, told: "Description") -> "Description":
-    """Add the channel losses of each rig of a pose set, or of a character's rig."""
+    """Add the losses of each rig of a pose set, or of a character's, and doubts of its model."""
     from lipsync_lang.faces.rigs.recognise import loss_table, losses
     from lipsync_lang.packs.describe import Description
-    from lipsync_lang.resolver.rigging import load_rig
+    from lipsync_lang.resolver.rigging import face_on_model, load_rig
 
     if options.kind == "poseset":
-        rigs = library.rigs(options.name)
+        rigs, doubts = library.rigs(options.name), None
     else:
-        model = library.character(options.name).model
-        poseset = library.poseset(model.poseset).model
-        rigs = [load_rig(library, model.rig, poseset)] if model.rig else []
+        who = library.character(options.name)
+        poseset = library.poseset(who.model.poseset)
+        poseset = replace(poseset, model=poseset.model.having(who.model.has))
+        rigs = [load_rig(library, who.model.rig, poseset.model)] if who.model.rig else []
+        face = face_on_model(library, who, poseset)
+        doubts = [*face.told] if face else []
     found = {rig.model.name: losses(library, rig) for rig in rigs}
     lines = [
         f"\nnot shown by {name}\n{indent(loss_table(lost), '  ')}" for name, lost in found.items()
     ]
     data = {n: [one.to_dict() for one in lost] for n, lost in found.items()}
-    return Description("\n".join([told.text, *lines]), {**told.data, "losses": data})
+    more = {} if doubts is None else {"doubts": doubts}
+    text = "\n".join([told.text, *(doubts or ()), *lines])
+    return Description(text, {**told.data, **more, "losses": data})
 
 
 def _new_language(library: "Library", options: Namespace) -> "PackDraft":

@@ -143,8 +143,8 @@ class PairPacks:
         shown = face_on_model(self.library, self.character, self.poseset, on)
         if shown is None:
             return self
-        told = [f"{shown.model.path}: {doubt}" for doubt in shown.doubts]
-        made = replace(self, doubts=(*told,))
+        told = [*shown.told]
+        made = replace(self, doubts=shown.told)
         asked = who.mouth or stated_mouth(self.library.project)
         if asked == "declared" or (not on and str(shown.model.path) == model_file(self.poseset)):
             return made

@@ -234,6 +234,11 @@ class FaceOnModel:
         return (*self.found.doubts, *dict.fromkeys(self.misnamed.values()), *self.swapped)
 
     @property
+    def told(self) -> tuple[str, ...]:
+        """The doubts, each with the file."""
+        return tuple(f"{self.model.path}: {doubt}" for doubt in self.doubts)
+
+    @property
     def unsolved(self) -> tuple[str, ...]:
         """Why the targets are not solved, on a model without a measured mouth."""
         why = unmeasured(self.model)

@@ -231,7 +231,10 @@ def test_dead_shapes_are_named_once_by_every_command_on_every_kind_of_face(cli, 
     ):  # fmt: skip
         ended = cli(*command)
         assert (ended.err.count("nothing moves"), told in ended.err) == (1, True), (command, ended)
+    assert cli("characters", "show", "anna").out.count(told) == 1
+    assert json.loads(cli("characters", "show", "anna", "--json").out)["doubts"] == [told.strip()]
     anna(fields)
+    assert "nothing moves" not in cli("characters", "show", "anna").out
     assert "nothing moves" not in cli("run", *line, "-o", "line.glb").err
 
 
