@@ -42,6 +42,9 @@ SIDE = 0.1
 SEEN_CORNERS = 0.02
 """Least way of the corners of a misnamed shape of a style, up or down."""
 
+MEND = "keep the declared targets with `mouth: declared` in a character or lipsync.yaml"
+"""How to perform on a mouth that does not open."""
+
 WAYS = {
     "aperture": ("opens", "shuts"), "width": ("widens", "narrows"),
     "corners": ("raises the corners of", "lowers the corners of"),
@@ -59,8 +62,8 @@ class ChannelPlaces:
     """Shape without a side -> the left and right channels that share it."""
     doubts: tuple[str, ...] = ()
     """Descriptions of ambiguous matches, and of shapes that move no point."""
-    still: frozenset[str] = frozenset()
-    """Channels whose shapes move no point."""
+    still: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    """Channel -> its shapes, where they move no point."""
     bound: dict[str, dict[str, float]] = field(default_factory=dict)
     """Found channel -> the weights of its shapes, where an expression of an avatar binds them."""
 
@@ -89,8 +92,8 @@ def find(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
     for channel in channels:
         if channel.node in model.nodes:
             places[channel.name] = {str(channel.node): None}
-    found = {name: (*own,) for name, own in places.items()}
-    return ChannelPlaces(found, shared, (*doubts,), frozenset(dead), bound)
+    found, unmoved = ({name: (*own,) for name, own in one.items()} for one in (places, dead))
+    return ChannelPlaces(found, shared, (*doubts,), unmoved, bound)
 
 
 def mouth_gains(channels: Sequence[Channel], model: Model) -> Floats | None:
@@ -246,15 +249,17 @@ class FaceOnModel:
 
     def refuse_shut(self) -> None:
         """Raise a ModelError if no pose of the set opens the mouth of the model."""
-        path, mend = self.model.path, "keep the declared targets with `mouth: declared`"
+        path = self.model.path
         if self.gains is None:
             still = still_shapes(self.model)
             dead = 0 < len(still) == len(self.model.shape_names) and not self.found.places
-            if not measured(self.model) and (dead or frozenset() < self.wide <= self.found.still):
+            if not measured(self.model) and (
+                dead or frozenset() < self.wide <= self.found.still.keys()
+            ):
                 lost = [name for name in self.model.shape_names if name in still]
                 raise ModelError(
                     f"{path}: no shape opens the mouth: on the mesh, nothing moves with "
-                    f"{some(lost)}. Sculpt these, or {mend} in a character"
+                    f"{some(lost)}. Sculpt these, or {MEND}"
                 )
         elif (most := self.gains[0].max(initial=0.0)) < LEAST_MOUTH:
             widest, seen = max(measured(self.model).items(), key=lambda one: one[1].aperture)
@@ -262,7 +267,7 @@ class FaceOnModel:
                 f"{path}: no shape of it that is a pose of {self.poseset.name} opens the mouth: "
                 f"the widest parts the lips by {most:.3f} of its width, and the widest of all, "
                 f"{widest}, by {seen.aperture:.3f}. Make those that open it poses with "
-                f"`lipsync-lang posesets new`, or {mend} in a character"
+                f"`lipsync-lang posesets new`, or {MEND}"
             )
 
 

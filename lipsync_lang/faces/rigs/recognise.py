@@ -18,7 +18,7 @@ import numpy as np
 from lipsync_lang.base.errors import ModelError, PackError
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.faces.rigs.driver import Driver
-from lipsync_lang.faces.rigs.face_on_model import ChannelPlaces, FaceOnModel
+from lipsync_lang.faces.rigs.face_on_model import MEND, ChannelPlaces, FaceOnModel
 from lipsync_lang.faces.rigs.model import Model, some
 from lipsync_lang.faces.rigs.read_outs import measured, still_shapes
 
@@ -190,41 +190,48 @@ def recognise(library: "Library", model: Model) -> tuple[Match, ...]:
     Matches that open the mouth on the mesh come first. Then the number of poses shown as themselves
     decides the order, but three lost poses outweigh a shown one. Among equals, a pose set without a
     rig comes first. Empty matches are left out. Invalid packs are skipped, because `validate`
-    reports their faults. A ModelError refuses a model whose shapes all move no point.
+    reports their faults. A ModelError refuses a model whose shapes all move no point, unless the
+    project keeps declared targets: then the names count.
     """
+    from lipsync_lang.packs.project import stated_mouth
+
     found: list[Match] = []
+    dead = 0 < len(still_shapes(model)) == len(model.shape_names)
+    by_name = dead and stated_mouth(library.project) == "declared"
     for name in dict.fromkeys(one.name for one in library.names("poseset")):
         try:
-            found += _matches(library, library.poseset(name).model, model)
+            found += _matches(library, library.poseset(name).model, model, by_name=by_name)
         except PackError:
             continue
-    if not found and 0 < len(still_shapes(model)) == len(model.shape_names):
+    if dead and not found:
         told = f"{model.path}: on the mesh, nothing moves with {some(model.shape_names)}"
-        raise ModelError(f"{told}. Sculpt these shapes, and export the model again")
+        raise ModelError(f"{told}. Sculpt these shapes, or {MEND}")
     ranked = sorted(found, key=lambda match: match.rank)
-    dead = {one.poseset: one.dead for one in ranked if one.enough and one.dead}
-    if dead and ranked[0].poseset not in dead:
-        lost = some(sorted(frozenset[str]().union(*dead.values())))
-        told = f"on the mesh, nothing moves with {lost}, so {ranked[0].name} replaces {some(dead)}"
+    shut = {one.poseset: one.dead for one in ranked if one.enough and one.dead}
+    if shut and ranked[0].poseset not in shut:
+        lost = some(sorted(frozenset[str]().union(*shut.values())))
+        told = f"on the mesh, nothing moves with {lost}, so {ranked[0].name} replaces {some(shut)}"
         places = replace(ranked[0].found, doubts=(*ranked[0].found.doubts, told))
         ranked[0] = replace(ranked[0], found=places, ahead=(told,))
     return tuple(ranked)
 
 
-def _matches(library: "Library", poseset: "models.PoseSet", model: Model) -> Iterator[Match]:
+def _matches(
+    library: "Library", poseset: "models.PoseSet", model: Model, *, by_name: bool
+) -> Iterator[Match]:
     """Yield non-empty matches: the pose set alone, and each of its valid rigs."""
     from lipsync_lang.packs.checking.rig_checks import check_rig
     from lipsync_lang.packs.models.rig_models import channels_of, plain_channels
 
     poses, every = (*poseset.poses,), poseset.having(poseset.optional_poses)
     face = FaceOnModel.of(every, model)
-    found = _played(face)
+    found = _played(face, by_name=by_name)
     if found.places:
         optional = tuple(name for name in poseset.optional_poses if name in found.places)
         lost = tuple(Loss(pose, 0, None, "") for pose in poses if pose not in found.places)
         missing, opens = tuple(loss.pose for loss in lost), _opens(face, found)
         left, shown = _left(model, found), (*poses, *optional)
-        dead = face.wide if face.wide <= found.still else frozenset()
+        dead = face.wide if face.wide <= found.still.keys() else frozenset()
         yield Match(poseset.name, None, shown, found, missing, left, lost, opens, optional, dead)
     known = {found.name for found in library.names("poseset")}
     for path in library.rigs_of(poseset.name):
@@ -236,7 +243,7 @@ def _matches(library: "Library", poseset: "models.PoseSet", model: Model) -> Ite
         if any(fault.severity == "fault" for fault in check_rig(rig, poseset, known, to)):
             continue
         face = FaceOnModel.of(poseset, model, {"channels": plain_channels(rig.model, to)})
-        found = _played(face)
+        found = _played(face, by_name=by_name)
         if found.places:
             held = {n: one for n, one in channels_of(rig.model).items() if n in found.places}
             for name, one in held.items():
@@ -249,9 +256,11 @@ def _matches(library: "Library", poseset: "models.PoseSet", model: Model) -> Ite
             yield Match(poseset.name, rig.model.name, poses, found, missing, left, lost, opens)
 
 
-def _played(face: FaceOnModel) -> ChannelPlaces:
+def _played(face: FaceOnModel, *, by_name: bool) -> ChannelPlaces:
     """Find channels; on an avatar whose expressions open its mouth, those that players move."""
     found, moved = face.found, measured(face.model)
+    if by_name:
+        found = replace(found, places=found.still | found.places)
     bound = {shape for mesh in face.model.meshes for _, shape, _ in mesh.binds}
     if any(moved[shape].aperture > 0 for shape in bound & moved.keys()):
         own = {name: shapes for name, shapes in found.places.items() if name in found.bound}

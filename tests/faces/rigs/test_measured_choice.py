@@ -90,6 +90,12 @@ def test_a_head_all_of_whose_shapes_are_still_is_refused_by_every_command(
             told = asked or f"on the mesh, nothing moves with {shapes[0]}" in ended.err
             assert told, (command, fields, ended)
         assert Path("line.csv").exists() == ("declared" in fields)
+    Path("line.csv").unlink()
+    Path("lipsync.yaml").write_text("kind: project\nformat: 1\nmouth: declared\n")
+    kept = [cli("run", *line, "-c", who, "-o", "line.csv") for who in ("head.glb", "anna")]
+    told = f"head.glb: on the mesh, nothing moves with {shapes[0]}"
+    assert [ended.code for ended in kept] == ([2, 0] if shapes == ("mine",) else [0, 0])
+    assert told in kept[0].err
 
 
 VOWELS = {f"viseme_{name}": name for name in ("aa", "O", "E", "I", "U")}
