@@ -36,14 +36,14 @@ OFF_SHARE = 0.7
 WRONG_SHARE = 0.25
 """Smallest movement of a misnamed shape, as a share of the farthest of the model."""
 
-SIDE = 0.1
+ONE_SIDE = 0.1
 """Least distance of what a shape of one side moves from the middle, in widths of the mouth."""
 
 SEEN_CORNERS = 0.02
 """Least way of the corners of a misnamed shape of a style, up or down."""
 
 MEND = "keep the declared targets with `mouth: declared` in a character or lipsync.yaml"
-"""How to perform on a mouth that does not open."""
+"""Advice for a mouth that does not open."""
 
 WAYS = {
     "aperture": ("opens", "shuts"), "width": ("widens", "narrows"),
@@ -212,7 +212,7 @@ class FaceOnModel:
         wrong = [
             shape
             for left, right in chain.from_iterable(pairs)
-            if aside.get(left, 0.0) < -SIDE and aside.get(right, 0.0) > SIDE
+            if aside.get(left, 0.0) < -ONE_SIDE and aside.get(right, 0.0) > ONE_SIDE
             for shape in (*shapes[left], *shapes[right])
         ]
         what = f"the other side of the face moves with {some(wrong)}: check the names of the shapes"

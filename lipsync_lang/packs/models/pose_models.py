@@ -90,8 +90,7 @@ class PosturePose(Strict):
     names: tuple[Text, ...] = ()
     """Other names of the pose in models; `{Left,Right}` stands for two names, `*` for any text."""
     corners: Annotated[float, Field(ge=-1, le=1)] = 0
-    """Way of the mouth's corners: a shape that lowers them is misnamed if this is above 0, and one
-    that raises them if it is below."""
+    """Way of the mouth's corners, up if above 0: a shape that goes the other way is misnamed."""
     softness: Softness = 0.1
     """Seconds of rounding off."""
     together: dict[PoseName, Annotated[float, Field(gt=0, le=2)]] = Field(default={})
@@ -171,10 +170,7 @@ class Intensity(Strict):
 
 
 class StyleDraft(Strict):
-    """A style drafted from the neutral bigrams, for those that no bank of the style draws.
-
-    Its posture, speed and softness hold for drawn bigrams too.
-    """
+    """A style drafted from neutral; its posture, speed and softness hold for drawn bigrams too."""
 
     regions: dict[Text, Annotated[float, Field(ge=0, le=2)]] = Field(default={})
     """Scale for the poses of each region."""
@@ -291,8 +287,7 @@ class PoseSet(PackModel):
     gestures: dict[Text, Gesture] = Field(default={})
     """Blinks, raised brows, nods and the like; `--gestures` turns them on."""
     mirrored: dict[Text, Text] = Field(default={})
-    """Parts of the names of mirrored poses, such as `Left: Right`, that of the face's left first;
-    timelines show a pair as one."""
+    """Parts of names of mirrored poses, left first: `Left: Right`; timelines show a pair as one."""
     measures: dict[Text, dict[PoseName, float]] = Field(default={})
     """Sums of gain times pose, for reports; drawn mouths show `aperture` and `protrusion`."""
     checks: Checks = Checks()
