@@ -80,26 +80,23 @@ def spans(
 ) -> list[list[float]]:
     """Return start and end of the sounds that demand a contact, joined where they touch."""
     ids, bounds, _ = performer.common_phonemes(schedule)
-    found: list[list[float]] = []
-    for number in np.flatnonzero(demanded[ids]):
-        start, end = bounds[number : number + 2].tolist()
-        if found and start - found[-1][1] < 1e-6:
-            found[-1][1] = end
-        else:
-            found.append([start, end])
-    return found
+    return stretches(bounds, np.append(demanded[ids], False), 0)
 
 
 def closed(times: np.ndarray, weights: np.ndarray, floor: np.ndarray) -> list[list[float]]:
     """Return start and end of each time in which the poses of a contact are at their floor."""
-    held = (weights >= floor - 0.02).all(axis=1)
+    return stretches(times, (weights >= floor - 0.02).all(axis=1))
+
+
+def stretches(times: np.ndarray, held: np.ndarray, last: int = 1) -> list[list[float]]:
+    """Return first and last time of each stretch that is held; `last` 0 has the one after it."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], held.astype(int), [0]])))
-    return [[times[a], times[z - 1]] for a, z in edges.reshape(-1, 2)]
+    return [[float(times[a]), float(times[z - last])] for a, z in edges.reshape(-1, 2)]
 
 
-def near(one: list[float], others: list[list[float]]) -> bool:
-    """Return True if a time is within 50 ms of any of the others."""
-    return any(a <= one[1] + NEAR_SECONDS and one[0] <= z + NEAR_SECONDS for a, z in others)
+def near(one: list[float], others: list[list[float]], seconds: float = NEAR_SECONDS) -> bool:
+    """Return True if a time is within some seconds of any of the others."""
+    return any(a <= one[1] + seconds and one[0] <= z + seconds for a, z in others)
 
 
 def compared(
