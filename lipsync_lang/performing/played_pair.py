@@ -37,7 +37,7 @@ OwnSettings = Mapping[str, Any]
 Gaps = Literal["error", "rest"]
 """Treatments of bigrams without curves."""
 
-COURSES = 8
+COURSES = 16
 """Number of courses of a line that was heard without words, whose mean is shown."""
 
 YIELDING = -1.0

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from lipsync_lang.resolver.nearest_phonemes import ModelPhones
     from lipsync_lang.text.phonology.labels import Notation, Value
 
-CLOSES = 0.75
+CLOSES = 0.65
 """Probability of the phones of a contact that closes it."""
 
 OPENS = 0.3
@@ -36,7 +36,7 @@ OPENS = 0.3
 HELD_FRAMES = 3
 """Frames for which a contact is held at least, once the lips are there."""
 
-SOFT_FRAMES = 8
+SOFT_FRAMES = 10
 """Frames before a frame whose targets count in its own, less and less."""
 
 

@@ -55,7 +55,7 @@ CHANGE_RISK = 0.3
 ANOTHER_RISK = 0.5
 """Risk of another label, beside what is seen of it."""
 
-LIKELIEST = 3
+LIKELIEST = 6
 """Number of labels that are kept of each phoneme."""
 
 SOUND_REMARK = (

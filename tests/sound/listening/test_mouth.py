@@ -43,3 +43,16 @@ def test_an_unsure_contact_never_closes_and_a_closed_one_lasts_while_it_is_likel
     assert not closed(lips, unsure[30:])
     lips, lasting = listened("facefx", *[0] * 40, 1, *[OPENS + 0.01] * 40)
     assert closed(lips, lasting[60:]) == len(lasting[60:])
+
+
+def test_lips_close_for_a_sound_that_is_twice_as_likely_as_all_others():
+    lips, sure = listened("facefx", *[0] * 40, *[2 / 3] * 40)
+    assert closed(lips, sure[60:]) == len(sure[60:])
+    lips, unsure = listened("facefx", *[0] * 40, *[3 / 5] * 40)
+    assert not closed(lips, unsure)
+
+
+def test_a_target_counts_for_a_tenth_of_a_second():
+    _, curves = listened("facefx", *[0] * 40, *[0.1] * 40)
+    still = np.flatnonzero(np.abs(np.diff(curves, axis=0)).max(axis=1) > 1e-9)
+    assert still[still > 30].max() - 39 == 10

@@ -129,6 +129,21 @@ def test_an_unsure_sound_is_shown_between_the_likely_ones(hear):
     assert opened[1] == pytest.approx(0.75 * opened[0] + 0.25 * opened[3], abs=0.02)
 
 
+def test_six_likely_sounds_share_the_mouth(hear):
+    """A vowel is heard among five others, and each moves the mouth in its share."""
+    performer, chances = ll.resolve("finnish", "facefx"), np.array([4, 3, 3, 2, 2, 2]) / 16
+    vowels = "AA", "IY", "UW", "AE", "OW", "EH"
+
+    def shown(vowel):
+        found = hear((30, {"SIL": 1}), (40, vowel), (30, {"SIL": 1}))
+        assert sum(chance > 0 for _, chance in found.likely[1]) == len(vowel)
+        return performer.perform(found, 100).weights[45:55].mean(axis=0)
+
+    mean = np.average([shown({one: 1}) for one in vowels], axis=0, weights=chances)
+    together = shown(dict(zip(vowels, chances, strict=True)))
+    np.testing.assert_allclose(together, mean, atol=0.03)
+
+
 def test_a_sound_that_a_user_corrects_is_shown_alone(hear):
     found = hear((30, {"SIL": 1}), (40, {"AA": 0.6, "IY": 0.4}), (30, {"SIL": 1}))
     known = replace(found, labels=(SILENCE, "m", SILENCE))
