@@ -47,7 +47,7 @@ NO_TARGET = {
     "production/builds/known_projects.py": "a project, and a cache of our own, both with tests",
     "production/builds/timing.py": "a cache of our own, which has tests of its own",
     "reports/coverage/reading_cache.py": "a cache of our own, which has tests of its own",
-    "base/presentation/pages.py": "templates of our own",
+    "base/presentation": "templates of our own",
     "cli.py": "opens the null device",
     "commands/build.py": "the project, which is a target",
     "base/extensions.py": "looks for names with a pattern",

@@ -42,7 +42,8 @@ DRAWABLE = ll.Schedule(
 def seen(animation, weights):
     """Count the sounds that make their contact, and those that do not."""
     figures = check(replace(animation, weights=weights)).figures
-    parts = [figure.parts for figure in figures if figure.name.startswith("contacts")]
+    judged = (figure for figure in figures if figure.value is not None)
+    parts = [figure.parts for figure in judged if figure.name.startswith("contacts ")]
     return sum(part["made"] for part in parts), sum(part["missed"] for part in parts)
 
 
