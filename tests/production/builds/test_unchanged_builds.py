@@ -39,6 +39,17 @@ def build_apart(*arguments):
     return done.returncode, events, done.stderr, read
 
 
+@pytest.fixture(scope="module")
+def own_cache(tmp_path_factory):
+    """A cache that no test beside these writes into while their builds read it."""
+    return str(tmp_path_factory.mktemp("cache"))
+
+
+@pytest.fixture(autouse=True)
+def alone(monkeypatch, own_cache):
+    monkeypatch.setenv("LIPSYNC_LANG_CACHE", own_cache)
+
+
 @pytest.fixture
 def game(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
@@ -74,9 +85,7 @@ def answered(game, monkeypatch):
 
 
 @pytest.mark.usefixtures("game")
-def test_a_build_that_reads_nothing_says_the_same(tmp_path_factory, monkeypatch):
-    # Tests beside this one write into the common cache while its builds read it.
-    monkeypatch.setenv("LIPSYNC_LANG_CACHE", str(tmp_path_factory.mktemp("cache")))
+def test_a_build_that_reads_nothing_says_the_same():
     first = build_apart("--json")
     assert first[0] == 0, first[2]
     # The first build makes the lines; the second makes none, and its report differs.
@@ -87,8 +96,6 @@ def test_a_build_that_reads_nothing_says_the_same(tmp_path_factory, monkeypatch)
 
 
 def test_a_report_in_a_folder_of_its_own_is_left_as_it_is(tmp_path, monkeypatch):
-    # As above: no test beside this one may write into its cache.
-    monkeypatch.setenv("LIPSYNC_LANG_CACHE", str(tmp_path / "cache"))
     monkeypatch.chdir(tmp_path)
     assert main(["new", "game", "-q"]) == 0
     monkeypatch.chdir(tmp_path / "game")
