@@ -173,6 +173,7 @@ def test_values_of_placeholders_and_branches_are_spoken():
         ("Well: : yes", "Well:   yes"),
         ("Really?! Wow!! No", "Really?! Wow!! No"),
         ("said:never, EU:n", "said never, EU:n"),
+        ("Go!Go!!Run?!No", "Go！Go！！Run？！No"),
         ("No: yes! (What?) Salut !", "No: yes! (What?) Salut !"),
     ],
 )

@@ -84,10 +84,12 @@ _ORDER = (
     (re.compile("([\u064b-\u0650])\u0651"), "\u0651\\1"),
     (re.compile("([\u05b0-\u05bb\u05c7]+)([\u05bc\u05c1\u05c2]+)"), r"\2\1"),
     (re.compile("(?<=[\u0400-\u04ff])\u0301"), ""),
+    (re.compile(r"(?<=[\w!?])!(?=[!?]{,9}[\w¡-])"), "！"),
+    (re.compile(r"(?<=[\w!?！])\?(?=[!?！]{,9}(?!\d)[\w¿])"), "？"),
 )
 """Marks that the library reads only in the opposite of the Unicode order, or not at all.
 
-It knows no word with the stress mark of Cyrillic.
+It knows no word with the stress mark of Cyrillic, and joins or names the marks within `No?No!No!`.
 """
 
 _BLANKED = frozenset("«»‹›„“”‟\u00ad\u200b\u200e\u200f\u2060\ufeff")

@@ -72,6 +72,8 @@ _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\
 """A number; its thousands may have spaces between them."""
 _SHOUTED = re.compile(r"[^\W\d_]{2,}|(?<!\d)[^\W\d_]")
 _SPACES = " \u00a0\u202f"
+_NO_DATE = re.compile(r"(?<![\d.])(?:0+\.\d+|\d+\.(?!0?[1-9]\.|1[0-2]\.)\d+)\.$")
+"""A number before a full stop that has no day or no month, as in `Version 2.0.`."""
 _LETTERS = r"([^\W\d_][^\s\d!-/:-@\[-`{-~]+)"
 """A letter and more, some of which may be marks on letters."""
 
@@ -185,7 +187,7 @@ class AbbreviationKeys:
                 yield Replacement(found.start(), at, words.lstrip() if within else words)
             elif grouped := self._grouped.match(text, start.start()):
                 at = grouped.end()
-                yield Replacement(*grouped.span(), _digits(grouped))
+                yield Replacement(*grouped.span(), re.sub(r"\D", "", grouped[0]))
             elif number := _NUMBER.match(text, start.start()):
                 at = number.end()
                 if number[0] != written[number.start() : at]:
@@ -303,6 +305,9 @@ class AbbreviationKeys:
                 continue
             if key[0] == "~" and not roman(found[1]):
                 continue
+            # the zeros of `9.00.` are minutes
+            if f" {key}"[-3:] in {" #.", ".#."} and _NO_DATE.search(found[0]):
+                continue
             if key.endswith(". ~") and self._before_initial(found, key[:-2]):
                 continue
             in_word = is_spaced(key[-1]) or key[-1] in ".'"
@@ -349,7 +354,7 @@ class AbbreviationKeys:
             if self._bare and not words and written != found[0] and written[-1].isdigit():
                 # decimals are read as their key says
                 return self.respelled(written)
-            written = self._grouped.sub(_digits, written)
+            written = self._grouped.sub(lambda one: re.sub(r"\D", "", one[0]), written)
             if self._thousands == ",":
                 written = written.replace(",", ", ")  # two numbers, such as `2,3`
             if isinstance(words, Mapping):
@@ -368,8 +373,7 @@ class AbbreviationKeys:
             # `{few} km` of a list of digits
             read = number_words(self._bare, read, self._rules, self._decimal)
         rest = _seen_after(found)
-        after = rest.lstrip()
-        if read.endswith(".") and after and not after[:1].isupper():
+        if read.endswith(".") and rest.strip() and not rest.lstrip()[:1].isupper():
             read = read[:-1]
         before = found.string[max(found.start() - 1, 0) : found.start()]
         # the sign of `20 €/h` has become words
@@ -385,11 +389,6 @@ def _inflected(rank: str, endings: Mapping[str, str]) -> str:
         next((w[:at] + endings[w[at:]] for at in range(len(w)) if w[at:] in endings), w)
         for w in rank.split(" ")
     )
-
-
-def _digits(grouped: re.Match[str]) -> str:
-    """Return a number without signs between its thousands."""
-    return re.sub(r"\D", "", grouped[0])
 
 
 @lru_cache(10_000)
@@ -415,8 +414,9 @@ def _fits(found: re.Match[str], read: str, particle: re.Pattern[str] | None, end
     if read.endswith(".") or not (particle or key.endswith(".")):
         return True
     after = _seen_after(found).lstrip(" \u00a0\u202f")
-    if key[:-1].isdigit():
-        return not _seen_after(found)[:1].strip() and after[:1].islower()
+    if re.fullmatch(r"[\d. ]+", key):
+        goes_on = _seen_after(found)[:1] in _SPACES and after[:1].islower()
+        return goes_on or after[:1] in {*",;?!"}
     if found.lastindex:
         return True
     if len(key) == len("D."):

@@ -11,9 +11,11 @@ from lipsync_lang.text.phonology.g2p.spoken_forms import SpokenForms
 from lipsync_lang.text.phonology.g2p.tokens import Replacement
 
 _CURSE_SIGN, _SMALL = "[#@$%&*∗]", r"(?=[^\W\d_A-Z])"
+_CASED = r"[^\W\d_\u0590-\u1dff\u2c00-\uffff]"
+"""A letter of an alphabet with capitals; beside others, `!` ends a sentence."""
 _HIDING = (
-    rf"[*∗]+(?=[^\W\d_])|[#@$!](?:{_SMALL}|(?<=[A-Z].)(?=[A-Z]))|(?<=[㐀-鿿])×+(?! ?\d)"
-    rf"|[!?]*{_CURSE_SIGN}(?:[!?]*{_CURSE_SIGN}|[!?]+{_SMALL})+"
+    rf"[*∗]+(?=[^\W\d_])|(?:[#@$]|(?<={_CASED})!(?={_CASED}))(?:{_SMALL}|(?<=[A-Z].)(?=[A-Z]))"
+    rf"|(?<=[㐀-鿿])×+(?! ?\d)|[!?]*{_CURSE_SIGN}(?:[!?]*{_CURSE_SIGN}|[!?]+{_SMALL})+"
 )
 _MASKED = re.compile(rf"(?<![\w*])[^\W\d_]+(?:(?:{_HIDING})[^\W\d_]*)+(?![\w*∗])")
 _POSSIBLE = re.compile(rf"{_CURSE_SIGN}|\w!\w|×")
