@@ -42,7 +42,7 @@ ONE_SIDE = 0.1
 SEEN_CORNERS = 0.02
 """Least way of the corners of a misnamed shape of a style, up or down."""
 
-MEND = "keep the declared targets with `mouth: declared` in a character or lipsync.yaml"
+MEND = "keep the declared targets with `mouth: declared` in a character or `lipsync.yaml`"
 """Advice for a mouth that does not open."""
 
 WAYS = {
