@@ -26,7 +26,6 @@ ELSEWHERE = {
     "sound/speech/hearing/sphinx/folder.py": "names the option by which a user permits a folder",
     "packs/project.py": "names the option by which a user permits a folder",
     "render/fonts.py": "an option of another program",
-    "resolver/bank_diff.py": "the command's own report",
     "schedules/tiers.py": "names the option that chooses a tier",
 }
 """Modules whose strings may name options, with the reason."""

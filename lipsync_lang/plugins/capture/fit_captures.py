@@ -113,7 +113,7 @@ def without_rest(performer: Performer, captured: Sequence[CapturedLine]) -> list
         each = zip(line.signals, own, strict=True)
         named = ", ".join(f"{name} {level:.2f}" for name, level in each if level)
         who = f" of {line.speaker}" if line.speaker else ""
-        told = f"weights at rest{who} that were subtracted: {named}"
+        told = f"weights at rest{who} were subtracted ({named})"
         out.append(replace(line, values=line.values - own, remarks=(*line.remarks, told)))
     return out
 

@@ -261,7 +261,7 @@ def test_levels_at_rest_are_taken_away_and_told():
     fits = [fit_captures(pair, performer, some) for some in (lines, high)]
     assert rms(fits[0].values.weights - fits[1].values.weights) < 0.01
     (told,) = [one for one in fits[1].proposal.remarks if "at rest" in one]
-    assert told == "weights at rest that were subtracted: open 0.12"
+    assert told == "weights at rest were subtracted (open 0.12)"
     free = [replace(line, free=True) for line in high]
     assert without_rest(performer, free) == free
 
