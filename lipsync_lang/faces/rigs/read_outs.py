@@ -80,7 +80,7 @@ class ShapeReadOut:
     tongue_up: float
     """Farthest way of a point of the tongue upwards, past that of the lips."""
     aside: float
-    """Place of what it moves, from the middle of the mouth to the left; the mean by way."""
+    """Mean place of the points that it moves, left of the middle; far-moving points count more."""
 
 
 SOUND_MEASURES = ("aperture", "width", "protrusion", "jaw")
