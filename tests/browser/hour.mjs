@@ -79,10 +79,15 @@ await inStudio(async ({ open, result, given: [pictures] }) => {
     await Promise.all([started, twice]);
     await route.continue();
   });
+  await page.evaluate(() => {
+    globalThis.told = []; // a notice can be replaced before a busy machine draws it
+    new MutationObserver(() => told.push(document.querySelector("#toasts").textContent)).observe(document.querySelector("#toasts"), { childList: true });
+  });
   process.stdout.write("kill\n");
   await started;
   await page.evaluate(() => dispatchEvent(new Event("focus"))); // the animator comes back to the window
-  await page.waitForFunction(() => document.querySelector("#toasts").textContent.includes("was started again"), null, WAIT);
+  const again = page.waitForFunction(() => told.some((one) => one.includes("was started again")), null, WAIT);
+  await again.catch(async (cause) => { throw new Error(`only told ${JSON.stringify(await page.evaluate(() => told))}, asked ${asking} times`, { cause }); });
   await picture("started-again");
   await page.click("#timeline", { position: at(middle(words[0]), 0) });
   await press("e");
@@ -96,7 +101,7 @@ await inStudio(async ({ open, result, given: [pictures] }) => {
 
   // the next line is as it was
   await page.click("#line-after");
-  await page.waitForFunction((before) => document.querySelector("#all-lines").textContent !== before, result.line, WAIT);
+  await page.waitForFunction(() => /^line_02 · /.test(document.querySelector("#all-lines").textContent), null, WAIT); // "line_02 …" until it is open
   await picture("next");
   result.next = [await page.textContent("#all-lines"), await settings()];
 });
