@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from lipsync_lang.base.arrays import Ints
+from lipsync_lang.base.arrays import Bools, Ints
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
 from lipsync_lang.sound.speech.results import each, exhaust, next_result, raised, tried
@@ -32,6 +32,7 @@ from lipsync_lang.sound.speech.speaking.word_spans import find_words
 from lipsync_lang.text.phonology.espeak.espeak_stream import FORKS, answers
 from lipsync_lang.text.phonology.espeak.process import (
     GARBAGE,
+    Bytes,
     EspeakProcess,
     blank,
     label_of,
@@ -114,7 +115,7 @@ def _plain(text: str) -> str:
     return plain
 
 
-def _schedule(header: dict[str, Any], sound: bytes, text: str) -> Schedule:
+def _schedule(header: dict[str, Any], sound: Bytes, text: str) -> Schedule:
     """Build a schedule from the worker's answer."""
     try:
         samples = np.frombuffer(sound, dtype=np.int16)
@@ -141,14 +142,21 @@ def closed(labels: Sequence[str], bounds: Sequence[int], samples: Ints, least: i
 
     The sound before keeps `SHARE` of its time; if none of it sounds, the silence is its own.
     """
-    loud = np.flatnonzero((samples > 1) | (samples < -1))
-    ends = np.append(-1, loud)[loud.searchsorted(bounds)] + 1  # of what sounds before
-    moved = list(bounds)
-    for n, (before, label) in enumerate(pairwise(labels), 1):
-        end, start = int(ends[n]), bounds[n - 1]
-        if SILENCE not in (before, label) and start < end <= bounds[n] - least:
+    moved, inner = list(bounds), np.array(bounds[1:-1], dtype=int)
+    # Few sounds are silent at both ends of the least silence: those alone are searched.
+    ends = samples[np.maximum((inner - 1, inner - least), 0)]
+    for n in (np.flatnonzero(~_loud(ends).any(axis=0)) + 1).tolist():
+        start = bounds[n - 1]
+        loud = np.flatnonzero(_loud(samples[start : bounds[n]]))
+        end = start + int(loud[-1]) + 1 if len(loud) else start
+        if SILENCE not in labels[n - 1 : n + 1] and start < end <= bounds[n] - least:
             moved[n] = max(end, start + round(SHARE * (bounds[n] - start)))
     return moved
+
+
+def _loud(samples: Ints) -> Bools:
+    """Return which samples are no digital silence."""
+    return (samples > 1) | (samples < -1)
 
 
 @dataclass

@@ -17,11 +17,13 @@ import time
 from collections import deque
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
+from io import FileIO
 from subprocess import PIPE
 from typing import IO, Any
 
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.text.phonology.espeak.process import (
+    Bytes,
     EspeakProcess,
     ending,
     last_line,
@@ -36,12 +38,13 @@ TEXTS_AHEAD = 8
 SENT_BYTES = 4096
 """Maximum bytes sent ahead. A pipe holds more on all systems, so sending never blocks."""
 
-READ_BYTES = 1 << 16
+READ_BYTES = 1 << 30
+"""Maximum bytes of a sound, 13 hours of speech; a worker that announces more sends garbage."""
 
 FORKS = hasattr(os, "fork") and sys.platform != "darwin"
 """True if the system can fork a process that has loaded libraries: Windows and macOS cannot."""
 
-WorkerReply = tuple[Any, bytes]
+WorkerReply = tuple[Any, Bytes]
 """Header and sound."""
 
 IDLE: "dict[tuple[object, ...], _WorkerStream]" = {}
@@ -118,7 +121,7 @@ class _WorkerStream:
             self.printed.close()
             raise process.unstarted(error) from None
         assert self.worker.stdin is not None  # noqa: S101 for the type checker
-        assert self.worker.stdout is not None  # noqa: S101
+        assert isinstance(self.worker.stdout, FileIO)  # noqa: S101
         self.requests, self.replies = self.worker.stdin, self.worker.stdout
         self.ready = selectors.DefaultSelector()
         self.ready.register(self.replies, selectors.EVENT_READ)
@@ -219,13 +222,12 @@ class _WorkerStream:
         except SpeechError:
             raise _WorkerLostError from None
 
-    def _read(self, size: int, deadline: float) -> bytes:
+    def _read(self, size: int, deadline: float) -> bytearray:
         """Read a number of bytes; fewer at the end or at the deadline."""
-        parts: list[bytes] = []
-        while size and self.ready.select(max(deadline - time.monotonic(), 0.0)):
-            part = self.replies.read(min(size, READ_BYTES))
+        read, count = bytearray(min(size, READ_BYTES)), 0
+        while count < len(read) and self.ready.select(max(deadline - time.monotonic(), 0.0)):
+            part = self.replies.readinto(memoryview(read)[count:])
             if not part:
                 break
-            parts.append(part)
-            size -= len(part)
-        return b"".join(parts)
+            count += part
+        return read if count == len(read) else read[:count]

@@ -68,6 +68,8 @@ def modifies(label: str) -> bool:
     return 0x2B0 <= ord(label[0]) <= 0x36F  # noqa: PLR2004 the two blocks in Unicode
 
 
+Bytes = bytes | bytearray
+
 FRAME_MAGIC = b"lipsync1"
 WORKER = Path(__file__).with_name("espeak_worker.py")
 
@@ -152,7 +154,7 @@ class EspeakProcess:
         header, _ = self.ask("missing", text="\n".join(voices))
         return {str(voice): did_you_mean(voice, header["voices"]) for voice in header["missing"]}
 
-    def ask(self, task: str, text: str = "", voice: str = "", rate: int = 0) -> tuple[Any, bytes]:
+    def ask(self, task: str, text: str = "", voice: str = "", rate: int = 0) -> tuple[Any, Bytes]:
         """Run the worker for one request and return its answer's header and sound."""
         request, folder = self.request(task, text, voice, rate)
         done = self._run(request, folder, [text])
@@ -266,7 +268,7 @@ def last_line(stderr: bytes) -> str:
     return f" ({lines[-1].strip()})" if lines else ""
 
 
-def read_frame(read: Callable[[int], bytes]) -> tuple[Any, bytes]:
+def read_frame(read: Callable[[int], Bytes]) -> tuple[Any, Bytes]:
     """Read and check the header and the sound of an answer.
 
     `read` returns so many bytes, fewer at the end of the answer.
