@@ -20,6 +20,7 @@ from io import BytesIO
 from operator import itemgetter
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from textwrap import shorten
 from typing import NamedTuple
 
 import numpy as np
@@ -129,7 +130,8 @@ def sheet(options: argparse.Namespace, films: dict[str, Film], heads: Sequence[s
         for name, head in shown.items()
     }
     stills = [
-        (one.seconds, sound, one.film.text) for sound, one in zip(sounds, moments, strict=True)
+        (one.seconds, sound, f"{shorten(one.film.text, 24, placeholder='…')} · {one.seconds:.2f} s")
+        for sound, one in zip(sounds, moments, strict=True)
     ]
     sheets = {}
     for name, cells in rows.items():

@@ -23,7 +23,7 @@ from lipsync_lang.packs.finding import IPA, is_model
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.performing.performer import Performer
-from lipsync_lang.schedules.schedule import SILENCE, Schedule, Word
+from lipsync_lang.schedules.schedule import SILENCE, Schedule
 
 FAILED_TEST = "P221"
 
@@ -37,8 +37,6 @@ MOST_SOUNDS, MOST_WORDS = 8, 3
 
 HELD_SOUND_SECONDS = 0.5
 """Duration of each sound, and of the silence around it."""
-
-MOUTHS_IN_ROW = 8
 
 
 @dataclass(frozen=True)
@@ -77,11 +75,15 @@ class LanguageCheck:
         }
 
     def __str__(self) -> str:
+        return self.told()
+
+    def told(self, *, table: bool = True) -> str:
+        """Return the check as text, with or without the table of mouths."""
         values: dict[str, Any] = {**vars(self), "failed": self.failed}
         if self.sounds is not None:
             needed = [row for row in self.sounds["rows"] if row["need"] in {"unmapped", "doubtful"}]
             values |= {"mouths": mouths_in(self.sounds), "needed": needed}
-            values["table"] = columns(self._rows(self.sounds), widest=64)
+            values["table"] = columns(self._rows(self.sounds), widest=64) if table else ()
         return from_template("language_check", **values).removesuffix("\n")
 
     def _rows(self, sounds: Mapping[str, Any]) -> list[list[str]]:
@@ -145,34 +147,53 @@ def mouths_of(library: Library, language: str, character: str) -> dict[str, str]
 def mouths_to_draw(sounds: Mapping[str, Any], named: Sequence[str] = ()) -> list[dict[str, Any]]:
     """Return a row of the table of sounds for each mouth: those of named sounds, or all.
 
-    A name is a label of any notation of the language, in any case, or a common phoneme. Sounds that
-    pass through several mouths are left out unless they are named, because each of these has a row.
-    Raises OutputError if the language has no sounds, or none of this name.
+    A name is, in this order: one letter of the IPA, a common phoneme by any of its names, or a
+    label of any notation of the language, in any case. A row has its `caption`: the name with a
+    word, or with the look of the mouth. Sounds that pass through several mouths are left out unless
+    they are named, because each of these has a row. Raises OutputError if the language has no
+    sounds, or none of this name.
     """
     mouths = mouths_in(sounds)
     if not named:
         shown = [own[0] for mouth, own in mouths.items() if len(mouth) == 1]
         if not shown:
             raise OutputError("the language maps no sounds; there is no mouth to draw")
-        return shown
-    known = {row["label"].casefold(): row["to"] for row in reversed(sounds["rows"])}
-    known |= {mouth[0]: mouth for mouth in mouths if len(mouth) == 1 and mouth[0] not in known}
+        return [row | {"caption": (row["label"], next(iter(row["words"]), ""))} for row in shown]
+    titles = {one["name"]: one["title"] for one in sounds["common"]}
+    common = {
+        name: {"to": [one["name"]], "words": ()}
+        for one in sounds["common"]
+        for name in (*one["spelled"], one["name"])
+    }
+    # A later one counts. Names that all languages share come before labels of several letters,
+    # since `th` is an aspirated t in some notations.
+    rows = sounds["rows"][::-1]
+    rows.sort(key=lambda row: row["notation"] == IPA)
+    known = common | {row["label"].casefold(): row for row in rows}
+    known |= {row["label"]: row for row in rows}
+    known |= {name: own for name, own in common.items() if tuple(own["to"]) in mouths}
+    known |= {row["label"]: row for row in rows if (len(row["label"]), row["notation"]) == (1, IPA)}
     found = []
     for name in named:
-        mouth = tuple(known.get(name.casefold(), ()))
+        row = known.get(name) or known.get(name.casefold()) or {"to": (), "words": ()}
+        mouth = tuple(row["to"])
         if mouth not in mouths:
-            raise OutputError(
-                f"{sounds['name']} has no sound '{name}'; {did_you_mean(name, known)}"
-            )
-        rows = mouths[mouth]
-        found.append(next((row for row in rows if row["label"] == name), rows[0]))
+            has = ", ".join(own[0]["label"] for one, own in mouths.items() if len(one) == 1)
+            offered = [one for one, own in known.items() if tuple(own["to"]) in mouths]
+            hint = f"it has {has}" if mouth else did_you_mean(name, offered)
+            looks = f" ({titles[mouth[0]]})" if mouth else ""
+            raise OutputError(f"{sounds['name']} has no sound '{name}'{looks}; {hint}")
+        looks = " -> ".join(titles[one] for one in mouth) or MUTE
+        same = (one for one in mouths[mouth] if one["label"] == name)
+        drawn = next(same, mouths[mouth][0])
+        found.append(drawn | {"caption": (name, next(iter(row["words"]), looks))})
     return found
 
 
 def draw_mouths(
     performers: Sequence[Performer], shown: Sequence[Mapping[str, Any]], out: BinaryIO
 ) -> None:
-    """Draw a PNG with a still of each sound and a word, each performer below the others.
+    """Draw a PNG with a still of each row of `mouths_to_draw`, each performer below the others.
 
     Raises OutputError if Pillow is missing, or a character has no model.
     """
@@ -180,17 +201,14 @@ def draw_mouths(
 
     labels = [SILENCE, *chain.from_iterable((row["label"], SILENCE) for row in shown)]
     times = np.arange(len(labels) + 1, dtype=np.float64) * HELD_SOUND_SECONDS
-    words = tuple(
-        Word(next(iter(row["words"]), row["label"]), 2 * n + 1, 2 * n + 2)
-        for n, row in enumerate(shown)
-    )
-    schedule = Schedule(tuple(labels), times, words, notation=shown[0]["notation"])
+    schedule = Schedule(tuple(labels), times, notation=shown[0]["notation"])
+    captions = [row["caption"] for row in shown]
     middles = (times[1:-1:2] + times[2::2]) / 2
     sheets = {}
     for performer in performers:
         sheet = BytesIO()
         animation = performer.rigged(performer.perform(schedule))
-        moments(animation, middles.tolist(), sheet, close=True, columns=MOUTHS_IN_ROW)
+        moments(animation, middles.tolist(), sheet, close=True, captions=captions)
         sheets[performer.character] = sheet.getvalue()
     if len(sheets) == 1:
         out.write(*sheets.values())

@@ -282,6 +282,7 @@ def _described(name: str, stated: models.SoundFields, like: str) -> dict[str, An
         "name": name,
         "title": stated.title,
         IPA: list(stated.ipa),
+        "spelled": list(getattr(stated, "spelled", ())),
         "example": stated.example,
         "class": stated.sound or "",
         "like": like,

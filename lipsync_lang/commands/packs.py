@@ -158,7 +158,9 @@ def _check_language(library: "Library", options: Namespace) -> int:
         ]
         write_all({options.picture: lambda out: draw_mouths(performers, shown, out)})
         tell_written(options.picture)
-    print(as_json(found.to_dict()) if options.json else found)
+    # A picture shows the table.
+    told = found.told(table=options.picture is None)
+    print(as_json(found.to_dict()) if options.json else told)
     faults = sum(fault.severity == "fault" for fault in found.faults)
     warnings = count(len(found.faults) - faults, "warning")
     print(f"{count(faults, 'fault')}, {warnings}", file=sys.stderr)

@@ -1,6 +1,6 @@
 """Contact sheet: stills of the most different faces of a line, each with its word and time."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from io import BytesIO
@@ -13,20 +13,29 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.arrays import Ints
 from lipsync_lang.base.errors import OutputError
-from lipsync_lang.render.fonts import find_fonts, legible, letters_of, split_letters, warn_of
+from lipsync_lang.render.fonts import (
+    FoundFonts,
+    find_fonts,
+    legible,
+    letters_of,
+    split_letters,
+    warn_of,
+)
 from lipsync_lang.render.model.camera import close_up
 from lipsync_lang.render.model.picture import Artist, Pixels
 from lipsync_lang.render.model.scene import pillow
 from lipsync_lang.render.staging import staged, sweep
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 
-MOST, COLUMNS = 12, 4
+MOST, COLUMNS, CAPTIONED_COLUMNS = 12, 4, 8
 
-CELL, FOOT, GAP, EDGE, APART = 320, 58, 12, 16, 13
-"""Pixels: side of a still, height of its caption, gap between stills, margin of the sheet,
-space between a word and its time."""
+CELL, FOOT, GAP, EDGE = 320, 58, 12, 16
+"""Pixels: side of a still, height of its caption, gap between stills, margin of the sheet."""
 
 PAPER, INK, PALE = "#ffffff", "#222222", "#777777"
+
+TITLE, NAME, SMALL = (28, INK), (20, INK), (14, PALE)
+"""Sizes in pixels and colours of texts: the name of a face, and the two lines of a caption."""
 
 FONTS = ("DejaVuSans.ttf", "NotoSans-Regular.ttf", "segoeui.ttf", "Arial Unicode.ttf", "arial.ttf")
 """Default fonts by preference; other installed fonts draw the letters missing from them."""
@@ -38,7 +47,7 @@ MISSING_CHARACTER = "\U0010fffe"
 """A character absent from every font."""
 
 Still = tuple[float, str, str]
-"""A moment of a line in seconds of its schedule, with its sound and its word."""
+"""A moment of a line in seconds of its schedule, with the two lines of its caption."""
 
 Draw = Callable[[float], Pixels]
 
@@ -55,12 +64,13 @@ def sheet(animation: Animation, out: BinaryIO) -> None:
 
 def moments(
     animation: Animation, seconds: Sequence[float], out: BinaryIO, *, close: bool = False,
-    columns: int = COLUMNS,
+    captions: Sequence[tuple[str, str]] = (),
 ) -> None:  # fmt: skip
     """Draw the faces of a line at some seconds of its schedule, with one camera for a model.
 
-    `close` shows the mouth alone. Raises OutputError if a time is outside the animation, Pillow is
-    missing, or there is nothing to draw, and ModelError if the model cannot be drawn.
+    `close` shows the mouth alone. `captions` are two lines below each face, instead of its sound,
+    word and time. Raises OutputError if a time is outside the animation, Pillow is missing, or
+    there is nothing to draw, and ModelError if the model cannot be drawn.
     """
     pillow()
     first, last = float(animation.times[0]), float(animation.times[-1])
@@ -71,6 +81,10 @@ def moments(
     scene, swept = staged(animation), staged(sweep(animation))
     camera = close_up(swept) if close else None
     stills = [_still(animation.schedule, one) for one in seconds]
+    columns = COLUMNS
+    if captions:
+        columns = CAPTIONED_COLUMNS
+        stills = [(one, *caption) for one, caption in zip(seconds, captions, strict=True)]
     artist = Artist(scene, CELL, camera, swept)
     draw_stills(stills, lambda seconds: artist.draw(seconds + scene.sound), out, columns)
 
@@ -84,10 +98,10 @@ def stacked(sheets: Mapping[str, bytes], out: BinaryIO) -> None:
     high, (width, height) = CELL + FOOT, opened[0].size
     tops = range(EDGE, height - EDGE, high)
     size = width, len(tops) * len(opened) * (high + FOOT)
-    page, below = image.new("RGB", size, PAPER), 0
+    page, below, fonts = image.new("RGB", size, PAPER), 0, _fonts_of(sheets)
     for top in tops:
         for name, one in zip(sheets, opened, strict=True):
-            _write(ImageDraw.Draw(page), (EDGE, below + EDGE), _plain(name, 60), 28, INK)
+            _write(ImageDraw.Draw(page), (EDGE, below + EDGE), _plain(name, 60), TITLE, fonts)
             page.paste(one.crop((0, top, width, top + high)), (0, below + FOOT))
             below += high + FOOT
     page.save(out, "PNG", optimize=True)
@@ -96,9 +110,10 @@ def stacked(sheets: Mapping[str, bytes], out: BinaryIO) -> None:
 def _still(schedule: Schedule, seconds: float) -> Still:
     number = int(np.searchsorted(schedule.times, seconds, side="right")) - 1
     if not 0 <= number < len(schedule):
-        return seconds, SILENCE, ""
+        return seconds, SILENCE, f"{seconds:.2f} s"
     word = schedule.word_at(number)
-    return seconds, schedule.labels[number], word.text if word else ""
+    said = f"{_plain(word.text, 24)} · " if word else ""
+    return seconds, schedule.labels[number], f"{said}{seconds:.2f} s"
 
 
 def draw_stills(stills: Sequence[Still], draw_at: Draw, out: BinaryIO, columns: int) -> None:
@@ -106,20 +121,18 @@ def draw_stills(stills: Sequence[Still], draw_at: Draw, out: BinaryIO, columns: 
     image = pillow()
     from PIL import ImageDraw
 
-    columns = min(columns, len(stills))
     rows = -(-len(stills) // columns)
+    columns = -(-len(stills) // rows)
+    fonts = _fonts_of(text for _, *caption in stills for text in caption)
     size = (2 * EDGE - GAP + columns * (CELL + GAP), 2 * EDGE + rows * (CELL + FOOT))
     page = image.new("RGB", size, PAPER)
     draw = ImageDraw.Draw(page)
-    for place, (seconds, sound, word) in enumerate(stills):
+    for place, (seconds, name, told) in enumerate(stills):
         row, column = divmod(place, columns)
         left, top = EDGE + column * (CELL + GAP), EDGE + row * (CELL + FOOT)
         page.paste(image.fromarray(draw_at(seconds)), (left, top))
-        caption = top + CELL
-        _write(draw, (left, caption + 4), _plain(sound, 12), 20, INK)
-        if shown := _plain(word, 24):
-            left = _write(draw, (left, caption + 29), shown, 14, PALE) + APART
-        _write(draw, (left, caption + 29), f"{seconds:.2f} s", 14, PALE)
+        _write(draw, (left, top + CELL + 4), _plain(name, 12), NAME, fonts)
+        _write(draw, (left, top + CELL + 29), _plain(told, 36), SMALL, fonts)
     page.save(out, "PNG", optimize=True)
 
 
@@ -145,26 +158,33 @@ def _plain(text: str, width: int) -> str:
     return shorten(text, width, placeholder="…") or text[:width].strip()
 
 
-def _write(draw: Any, place: tuple[int, int], text: str, size: int, ink: str) -> int:
-    """Draw a text in fonts that contain its letters, and return its right edge."""
-    left, top = place
+def _fonts_of(texts: Iterable[str]) -> FoundFonts:
+    """Find fonts for the letters that the default font lacks, and name those without any once."""
+    letters = letters_of(texts)
+    found = find_fonts(letters - coverage(_usual(), letters), coverage)
+    warn_of(found.missing)
+    return found
+
+
+def _write(
+    draw: Any, place: tuple[int, int], text: str, look: tuple[int, str], fonts: FoundFonts
+) -> None:
+    """Draw a text in fonts that contain its letters."""
+    (left, top), (size, ink) = place, look
     baseline, x = top + _font(_usual(), size).getmetrics()[0], float(left)
-    for part, file in _parts(text):
+    for part, file in _parts(text, fonts):
         font = _font(file, size)
         draw.text((x, baseline), part, fill=ink, font=font, anchor="ls")
         x += font.getlength(part)
-    return round(x)
 
 
-def _parts(text: str) -> list[tuple[str, str]]:
+def _parts(text: str, fonts: FoundFonts) -> list[tuple[str, str]]:
     """Split a text by the font files that contain its letters."""
     usual, letters = _usual(), letters_of([text])
     lacking = letters - coverage(usual, letters)
-    found = find_fonts(lacking, coverage)
-    warn_of(found.missing)
-    others = {str(path): coverage(path, lacking) for path in found.paths}
+    others = {str(path): coverage(path, lacking) for path in fonts.paths}
     parts: list[tuple[str, str]] = []
-    for letter in split_letters(legible(text, found.missing), hidden=True):
+    for letter in split_letters(legible(text, fonts.missing), hidden=True):
         file = next((name for name, known in others.items() if letter in known), usual)
         if parts and (parts[-1][1] == file or not letters_of([letter])):
             parts[-1] = (parts[-1][0] + letter, parts[-1][1])

@@ -23,6 +23,7 @@ from lipsync_lang.authoring.language_check import (
     mouths_of,
     mouths_to_draw,
 )
+from lipsync_lang.authoring.sound_table import SoundTable
 from lipsync_lang.base.errors import LipsyncError, OutputError
 from lipsync_lang.performing.resolving import resolve
 
@@ -187,13 +188,14 @@ def test_each_still_shows_its_own_mouth(monkeypatch):
     sounds = english_sounds()
     draw_mouths([resolve("english", "facefx")], mouths_to_draw(sounds), BytesIO())
     ((schedule, seconds, options),) = drawn
-    assert options == {"close": True, "columns": 8}
+    captions = options.pop("captions")
+    assert options == {"close": True}
     alone = [own[0] for mouth, own in mouths_in(sounds).items() if len(mouth) == 1]
-    for row, at in zip(alone, seconds, strict=True):
+    for row, at, caption in zip(alone, seconds, captions, strict=True):
         number = int(np.searchsorted(schedule.times, at)) - 1
         assert schedule.labels[number] == row["label"]
         assert at == pytest.approx(schedule.times[number : number + 2].mean())
-        assert schedule.word_at(number).text == next(iter(row["words"]), row["label"])
+        assert caption == (row["label"], next(iter(row["words"]), ""))
 
 
 def test_a_language_without_sounds_has_no_picture():
@@ -206,8 +208,25 @@ def test_named_sounds_are_drawn_in_their_order():
     shown = mouths_to_draw(english_sounds(), ["k", "UW", "th", "aa", "uː"])
     assert [row["to"] for row in shown] == [["kg"], ["w"], ["th"], ["aa"], ["w"]]
     assert shown[-1]["label"] == "uː"
+    told = [("k", "cat"), ("UW", "too"), ("th", "tongue tip between the teeth")]
+    assert [row["caption"] for row in shown[:3]] == told
     with pytest.raises(OutputError, match="english has no sound 'thh'; did you mean 'th'"):
         mouths_to_draw(english_sounds(), ["aa", "thh"])
+
+
+def test_common_names_of_sounds_serve_every_language():
+    named = ("aa", "iy", "uw", "UW", "m", "f", "s", "h", "k", "y")
+    for language in ("german", "mandarin"):
+        sounds = SoundTable(LIBRARY, LIBRARY.extended(LIBRARY.find("language", language))).told()
+        rows = dict(zip(named, mouths_to_draw(sounds, named), strict=True))
+        assert {name: row["caption"][0] for name, row in rows.items()} == {n: n for n in named}
+        assert rows["uw"]["to"] == rows["UW"]["to"] == ["w"]
+        assert rows["uw"]["caption"][1] == "lips rounded and pushed forward"
+        assert rows["y"]["to"] == ["yu"], "the vowel of the IPA before a romanisation"
+        assert mouths_to_draw(sounds, ["th"])[0]["to"] == ["th"], "before an aspirated t"
+    sounds["rows"] = [row for row in sounds["rows"] if "w" not in row["to"]]
+    with pytest.raises(OutputError, match=r"no sound 'uw' \(lips rounded .*\); it has .*, f, t, "):
+        mouths_to_draw(sounds, ["uw"])
 
 
 @full
@@ -220,7 +239,11 @@ def test_the_mouths_are_drawn(cli, monkeypatch):
     assert ended.code == 0, ended.err
     with Image.open("mouths.png") as picture:
         height = picture.height
-    assert 2 * 320 < height < 3 * 400, "eight stills a row"
+        width = picture.width
+    assert 2 * 320 < height < 3 * 400, "eight stills in a row at most"
+    assert 5 * 320 < width < 5 * 400, "rows of five and four"
+    assert "bmp" not in ended.out, "a picture shows the table"
+    assert "tests" in ended.out
 
 
 def test_a_model_shows_the_mouths_of_the_pose_set_that_fits_it(cli, tmp_path):

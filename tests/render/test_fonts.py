@@ -6,6 +6,7 @@ import re
 from io import BytesIO
 from pathlib import Path
 
+import numpy as np
 import pytest
 from lanes import swept
 from shipped import LANGUAGES, LIBRARY
@@ -218,18 +219,25 @@ def test_a_file_that_is_no_font_is_passed_over(installed):
 def test_captions_of_stills_are_drawn_in_parts(installed):
     good = make_font(installed / "NotoSansX-Regular.ttf", "Good", KHMER)
     usual = sheet._usual()  # noqa: SLF001
-    parts = sheet._parts(f"ok {KHMER} 2")  # noqa: SLF001
+    fonts = sheet._fonts_of([f"ok {KHMER} 2"])  # noqa: SLF001
+    parts = sheet._parts(f"ok {KHMER} 2", fonts)  # noqa: SLF001
     assert parts == [("ok ", usual), (f"{KHMER} ", str(good)), ("2", usual)]
-    assert sheet._parts("plain") == [("plain", usual)]  # noqa: SLF001
+    assert sheet._parts("plain", fonts) == [("plain", usual)]  # noqa: SLF001
 
 
 @pillow
 def test_captions_of_stills_have_no_boxes(installed, caplog):
     assert list(installed.iterdir()) == []
+    stills = [(0.1, "k", f"ok {KHMER}"), (0.2, "m", "plain"), (0.3, "n", "技")]
+    black = np.zeros((sheet.CELL, sheet.CELL, 3), np.uint8)
     with caplog.at_level(logging.WARNING):
-        ((text, _),) = sheet._parts(f"ok {KHMER}")  # noqa: SLF001
+        sheet.draw_stills(stills, lambda _: black, BytesIO(), 2)
+        fonts = sheet._fonts_of([stills[0][2]])  # noqa: SLF001
+    ((text, _),) = sheet._parts(stills[0][2], fonts)  # noqa: SLF001
     assert text == f"ok {ELLIPSIS}"
-    assert "install Noto Sans Khmer" in caplog.text
+    (first, *_) = caplog.messages
+    assert "install Noto Sans Khmer" in first
+    assert "install Noto Sans CJK" in first, "one remark for all captions"
 
 
 # All languages
