@@ -230,7 +230,8 @@ class LabelCorrection(Strict):
     after: ContextText = ""
     """A regular expression that must match the labels before them, joined without spaces."""
     spelled: ContextText = ""
-    """A regular expression, in small letters, that must be found in the word as it is written."""
+    """A regular expression, in small letters, that must be found in the word as it is written. One
+    with `[A-Z` in it needs a word with a capital, such as a name."""
     next_word: ContextText = ""
     """A regular expression that must match the first label of the next word; none follows before a
     pause."""

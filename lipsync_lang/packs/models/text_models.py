@@ -169,7 +169,8 @@ class Numerals(Strict):
     `la III edición` like `la 3ª edición`."""
     words: Annotated[dict[Text, tuple[Text, ...] | None], OrNames] = Field(default={})
     """Numerals that are words too, such as the English `I`: no numeral before a small letter,
-    except before the words stated, as in `I: [of]`."""
+    except before the words stated, as in `I: [of]`. `^lost` is one behind a name that starts a
+    sentence: `Charles I lost`."""
 
 
 def parts_of(spelling: str) -> tuple[list[str], list[str]]:

@@ -135,9 +135,11 @@ def test_capitals_of_syllables_are_words_and_those_with_a_vowel_where_all_is_sho
 
 
 def test_a_numeral_that_is_a_word_is_one_where_a_sentence_goes_on():
-    forms = SpokenForms(named=("henry",), ordinals=("the first",), numeral_words={"I": ("of",)})
+    words = {"I": ("of", "^said")}
+    forms = SpokenForms(named=("henry",), ordinals=("the first",), numeral_words=words)
     text = "Henry I of Blois, Henry I. When I met Henry I offered him a drink, Henry I said."
     assert [one.start for one in Expansions(forms).find(text)] == [6, 24]
+    assert [one.start for one in Expansions(forms).find("Henry I said. “Henry I said.”")] == [6, 21]
 
 
 def test_a_numeral_before_a_word_is_read_as_its_digits():

@@ -303,12 +303,10 @@ class AbbreviationKeys:
             found = _expression(key).match(text, at)
             if not found or (best and found.end() <= best.end()):
                 continue
-            if key[0] == "~" and not roman(found[1]):
-                continue
             # the zeros of `9.00.` are minutes
-            if f" {key}"[-3:] in {" #.", ".#."} and _NO_DATE.search(found[0]):
-                continue
-            if key.endswith(". ~") and self._before_initial(found, key[:-2]):
+            minutes = f" {key}"[-3:] in {" #.", ".#."} and _NO_DATE.search(found[0])
+            initial = key.endswith(". ~") and self._before_initial(found, key[:-2])
+            if minutes or initial or (key[0] == "~" and not roman(found[1])):
                 continue
             in_word = is_spaced(key[-1]) or key[-1] in ".'"
             after = text[found.end() : found.end() + 2]
@@ -340,8 +338,7 @@ class AbbreviationKeys:
         """Return the endings of the first case that the text around a rank shows."""
         text, start = found.string, found.start()
         name = found.end() + (_seen_after(found)[:1] in {*_SPACES}) if named else len(text)
-        fitting = (endings for around, endings in self._cases if around.fit(text, start, name))
-        return next(fitting, None)
+        return next((ends for around, ends in self._cases if around.fit(text, start, name)), None)
 
     def _expanded(self, found: re.Match[str], read: str) -> str:
         """Return the expansion of a key with its numbers, and spaces before and after words."""
@@ -549,8 +546,7 @@ class Expansions:
         for sign, repeated in self._forms.repeated.items():
             before = compile_context(repeated, precedes=True).pattern
             for one in re.finditer(rf"{re.escape(sign)}(?!\d)", text):
-                said = before.search(text, max(0, one.start() - SEEN_LETTERS), one.start())
-                if said:
+                if said := before.search(text, max(0, one.start() - SEEN_LETTERS), one.start()):
                     yield Replacement(*one.span(), f" {said[0]} ")
 
     def _roman(self, text: str) -> Iterator[Replacement]:
@@ -566,7 +562,9 @@ class Expansions:
                 ordinal = 0 < number <= len(ordinals)
                 read = ordinals[number - 1] if ordinal else self._keys.respelled(str(number))
                 next_word = _NEXT_WORD.match(text, one.end("numeral")) if numeral in words else None
-                word = next_word and next_word[1] not in (words[numeral] or ())
+                first = "^" * (not text[: one.start()].rstrip(' "“«([')[-1:].strip(".!?…:"))
+                said = {next_word[1], first + next_word[1]} if next_word else set()
+                word = said and said.isdisjoint(words[numeral] or ())
                 if number and not (word or like or (bare and one[0][0].islower())):
                     yield Replacement(one.start("numeral"), one.end(), read)
 
