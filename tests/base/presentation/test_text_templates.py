@@ -9,11 +9,11 @@ from lipsync_lang.resolver.bank_diff import diff_banks, told
 
 
 def test_an_explanation_of_heard_sound_names_the_likeliest_labels():
-    likely = (("AA", 0.5), ("AE", 0.25))
+    likely = (("AA", 0.5), ("AE", 0.25), ("AO", 0.1), ("AH", 0.08), ("EH", 0.066), ("IY", 0.004))
     one = Explanation(1.0, 24, "AA", 0, "aa", 0.9, 1.1, "map", (), (), likely=likely)
     assert str(one).split("\n") == [
         "1.000 s (frame 24): AA as aa, 0.900 to 1.100 s, in 'map'",
-        "  likeliest by sound: AA 0.50, AE 0.25",
+        "  likeliest by sound: AA 0.50, AE 0.25, AO 0.10, AH 0.08, EH 0.07",
     ]
 
 
