@@ -83,6 +83,8 @@ await inStudio(async ({ open, result, given: [pictures] }) => {
     globalThis.told = []; // a notice can be replaced before a busy machine draws it
     new MutationObserver(() => told.push(document.querySelector("#toasts").textContent)).observe(document.querySelector("#toasts"), { childList: true });
   });
+  // one in the server as it is killed would find it away, and the page then asks for the state once alone
+  while (page.awaited.size > asking) await page.evaluate(() => new Promise(requestAnimationFrame));
   process.stdout.write("kill\n");
   await started;
   await page.evaluate(() => dispatchEvent(new Event("focus"))); // the animator comes back to the window

@@ -22,6 +22,13 @@ export class Refusal extends Error {
 /** Milliseconds between looks for a server that has ended. */
 const LOOK = 1000;
 
+/** Notices of a server that has ended, and of another one at its address. */
+const STOPPED =
+  "The studio has stopped. Start it again in its folder with the same command: this page then goes on by itself. " +
+  "Your edits are kept.";
+const MOVED =
+  "Another program has the address of this page. Open the address that the studio printed. Your edits are kept.";
+
 /** Requests that are not repeated: whether the ended server has done them cannot be known. */
 const ONCE = ["undo", "redo"];
 
@@ -46,19 +53,21 @@ async function proved() {
   return answer.ok && crypto.subtle.verify("HMAC", key, await answer.arrayBuffer(), text.encode(nonce));
 }
 
-/** Wait for a server at this address, and let the studio go on. */
+/** Wait for a server at this address that opens the pair again, and let the studio go on. */
 async function back() {
-  for (let told = false; ; await new Promise((done) => setTimeout(done, LOOK))) {
+  for (let told = ""; ; await new Promise((done) => setTimeout(done, LOOK))) {
     const known = await proved().catch(() => null);
+    let why = known === false ? MOVED : STOPPED;
     if (known) {
       try {
         await api.back();
         return;
-      } catch { /* it has ended again */ }
-    } else if (!told || known === false) {
-      api.lost(known === null);
-      told = true;
+      } catch (error) { // it has ended again, or a file of the pair must be mended first
+        if (!(error instanceof Refusal) || error.status) why = `The studio cannot go on yet: ${error.message}`;
+      }
     }
+    if (why !== told) api.lost(why);
+    told = why;
   }
 }
 
@@ -125,7 +134,7 @@ export const api = {
   ...requests(false),
   /** Requests that do not wait. */
   direct: requests(true),
-  /** Called when the server has ended, with false if another one has its address. @param {boolean} _ */
+  /** Called when requests must wait, with the reason. @param {string} _ */
   lost: (_) => {},
   /** Called when a server answers again, before the requests that wait. @type {() => Promise<void>} */
   back: async () => {},

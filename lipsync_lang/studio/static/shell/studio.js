@@ -56,12 +56,6 @@ const FOLLOW = 100;
 const SHADE_LATER = 600;
 /** Milliseconds after which the server prepares for edits: the first picture does not wait for it. */
 const WARM_LATER = 800;
-/** Notices of a server that has ended, and of another one at its address. */
-const STOPPED =
-  "The studio has stopped. Start it again in its folder with the same command: this page then goes on by itself. " +
-  "Your edits are kept.";
-const MOVED =
-  "Another program has the address of this page. Open the address that the studio printed. Your edits are kept.";
 /** The studio as a whole; views get it. */
 export class Studio {
   constructor() {
@@ -128,7 +122,7 @@ export class Studio {
 
   async start() {
     this.#listen();
-    this.api.lost = (silent) => this.tell(silent ? STOPPED : MOVED, "fault", true);
+    this.api.lost = (why) => this.tell(why, "fault", true);
     this.api.back = () => this.#back();
     const face = this.api.packed("face").catch(() => null); // asked for at once: it takes longest
     this.project = await this.api.get("project");
@@ -234,23 +228,30 @@ export class Studio {
     });
   }
 
-  /** Go on with a server that was started again: open the pair and the line there. */
+  /** Go on with a server that was started again: open the pair there, and the line if it still can be opened. */
   async #back() {
     const { direct } = this.api, { language, character, line, name } = this.state;
     const { time } = this.player, { fps } = this.settings;
-    let state = await direct.get("state");
+    let state = await direct.get("state"), lacking = "";
     const notes = [...(state.notes ?? [])];
     if (language && (state.language !== language || state.character !== character))
       state = await direct.post("open", { language, character });
     this.state = state;
-    if (line && (!state.line || state.name !== name))
-      for (const [path, body] of this.openings) this.#heard(await direct.sent(path, body));
-    else if (state.line) this.#heard(await direct.packed("line"));
-    if (line && this.settings.fps !== fps) await direct.sent("take", { settings: { ...this.settings, fps } });
+    try {
+      if (line && (!state.line || state.name !== name))
+        for (const [path, body] of this.openings) this.#heard(await direct.sent(path, body));
+      else if (state.line) this.#heard(await direct.packed("line"));
+      if (line && this.settings.fps !== fps) await direct.sent("take", { settings: { ...this.settings, fps } });
+    } catch (error) { // the line was taken out of the script, or its recording away
+      if (!(error instanceof Refusal) || !error.status) throw error;
+      lacking = error.message;
+    }
     this.seek(time);
     this.stated(await direct.get("state"));
     const count = this.state.unsaved?.length, edits = count ? ` with your unsaved edits (${count})` : "";
-    this.tell([`The studio was started again, and this page goes on${edits}`, ...notes].join("\n"));
+    const page = `The studio was started again, and this page goes on${edits}`;
+    if (lacking) this.tell([page, lacking, ...notes].join("\n"), "fault", true);
+    else this.tell([page, ...notes].join("\n"));
   }
 
   // The line
@@ -563,7 +564,12 @@ export class Studio {
     });
     document.addEventListener("keydown", (event) => shellKeys(this, event));
     addEventListener("focus", () => this.state.language && this.look());
-    setInterval(() => { if (this.state.language && !document.hidden && !this.edits.sending) this.look(); }, LOOK);
+    /** @type {Promise<void> | null} */
+    let looks = null; // one at a time: while the studio is stopped none ends
+    setInterval(() => {
+      if (this.state.language && !document.hidden && !this.edits.sending)
+        looks ??= this.look().finally(() => { looks = null; });
+    }, LOOK);
     let soon = 0;
     this.api.heard(() => {
       clearTimeout(soon);
