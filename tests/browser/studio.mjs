@@ -256,6 +256,30 @@ const stories = {
     return { lost, found, text: await page.inputValue("#text"), level: await jaw.inputValue() };
   },
 
+  /** A line whose recording lacks a word: it is shown, said, undone, done again and saved. */
+  async lacking() {
+    const page = await show("#sentence"), words = "[aria-label='Words that are left out']";
+    const left = () => page.$$eval(`${words} bdi`, (all) => all.map((one) => one.textContent));
+    const stated = (wanted) => page.waitForFunction((marked) => document.querySelector("#text").value.includes("*") === marked, wanted, { timeout: 60000 });
+    await page.waitForSelector(`${words}:not([hidden])`, { timeout: 60000 });
+    const result = { lines: [await left()], why: await text(page, `${words} .note`) };
+    await picture(page, "lacking");
+    await page.click(`${words} button`);
+    await page.waitForFunction(() => document.querySelector("#toasts").textContent.includes("is spoken now"), null, { timeout: 60000 });
+    result.marked = await page.inputValue("#text");
+    result.lines.push(await left());
+    await page.click("#undo");
+    await stated(false);
+    await page.waitForSelector(`${words}:not([hidden])`);
+    result.lines.push(await left());
+    await page.click("#redo");
+    await stated(true);
+    await page.click("#save");
+    await saved(page);
+    result.lines.push(await left());
+    return result;
+  },
+
   /** The first start: a line is spoken at once; the tour is taken to its end, and again. */
   async tour() {
     const page = await show();

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -189,6 +190,46 @@ def test_the_page_goes_on_after_a_killed_server(studio):
     assert (told["text"], told["level"]) == ("Bob bumps my blue boat.", "1.7")
     (file,) = studio.folder.rglob("characters/crab.yaml")
     assert "1.7" in file.read_text("utf-8")
+
+
+LACKING = """kind: project
+format: 1
+languages: [english]
+lines: lines.csv
+audio: "vo/{id}.flac"
+cast: {"*": crab}
+outputs: "takes/{id}.html"
+reports: build/report.xml
+"""
+
+
+@pytest.mark.parametrize("studio", [()], indirect=True)
+def test_a_word_left_out_is_said_and_a_build_keeps_it(studio, data):
+    pytest.importorskip("pocketsphinx")
+    studio.kill()
+    recording = data / "recordings" / "mfa_tests" / "61-70968-0000.flac"
+    text = recording.with_suffix(".lab").read_text("utf-8").strip().lower()
+    lines = f"id,speaker,text\na01,Bob,{text.replace('wizard', 'tremendous wizard')}\n"
+    (studio.folder / "vo").mkdir()
+    shutil.copy(recording, studio.folder / "vo" / "a01.flac")
+    (studio.folder / "lines.csv").write_text(lines, "utf-8")
+    (studio.folder / "lipsync.yaml").write_text(LACKING, "utf-8")
+    command = [sys.executable, "-m", "lipsync_lang", "build", "--json", "--workers", "1"]
+
+    def left_out():
+        done = subprocess.run(command, cwd=studio.folder, check=True, capture_output=True)
+        line = json.loads(done.stdout.splitlines()[0])
+        listed = "lacks tremendous" in (studio.folder / "build/report.xml").read_text("utf-8")
+        shown = (studio.folder / "takes/a01.html").read_text("utf-8")
+        return line["left_out"], listed, '"left_out":["tremendous"]' in shown
+
+    assert left_out() == (["tremendous"], True, True)
+    studio.start()
+    told = telling(studio, "lacking")
+    assert told["why"] == "Not heard in the sound, so the mouth does not say them."
+    assert told["lines"] == [["tremendous"], [], ["tremendous"], []]
+    assert "the *tremendous* wizard" in told["marked"]
+    assert left_out() == ([], False, False)
 
 
 @pytest.mark.parametrize("studio", [()], indirect=True)

@@ -248,13 +248,14 @@ class Page {
   // What is said in words
 
   #words() {
-    const { data, take } = this;
+    const { data, take } = this, { estimated, left_out: leftOut } = take.data.spoken;
     const title = data.title || "A line";
     document.title = `${title} · lip sync`;
     the("title").textContent = title;
     const told = [take.data.language, take.data.character, `${Number(take.fps.toFixed(3))} fps`, ...data.settings];
-    if (take.data.spoken.estimated) told.push("times are estimated");
+    if (estimated) told.push("times are estimated");
     if (!data.sound) told.push("no sound");
+    if (leftOut.length) told.push(`words left out: ${leftOut.join(", ")}`);
     the("subtitle").textContent = told.filter(Boolean).join("  ·  ");
     the("against").hidden = !this.other;
     the("others").hidden = this.takes.length < 3;

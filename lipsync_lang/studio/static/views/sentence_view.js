@@ -278,11 +278,21 @@ export class SentenceView {
   #leftOut(words) {
     const { leftOut } = this.at;
     leftOut.hidden = !words.length;
-    leftOut.replaceChildren(made("h2", "Left out"), ...words.map((word, number) => {
+    const why = made("p", { class: "note" }, "Not heard in the sound, so the mouth does not say them.");
+    leftOut.replaceChildren(made("h2", "Words left out"), why, ...words.map((word, number) => {
       const title = `Put '${word}' in asterisks, so that it is always spoken, and align the line again`;
-      const say = button("It is spoken", title, () => this.studio.perform(`say/${number}`, { title: `Say '${word}'` }));
+      const say = button("It is spoken", title, () => this.#say(word, number));
       return made("p", { class: "row" }, made("bdi", word), say);
     }));
+  }
+
+  /** @param {string} word @param {number} number of it among those that are left out */
+  #say(word, number) {
+    const { studio } = this, { take } = studio;
+    return studio.busy(async () => {
+      await studio.perform(`say/${number}`, { title: `Say '${word}'` });
+      if (studio.take !== take) studio.tell(`'${word}' is spoken now. Save keeps it.`); // a refusal is told already
+    }, "Aligning the line again");
   }
 
   /** Forget what belongs to the line before. */
