@@ -12,7 +12,6 @@ let server = "first", dead = 0;
 
 globalThis.location = { pathname: `/${TOKEN}/` };
 globalThis.BroadcastChannel = class { postMessage() {} };
-globalThis.setTimeout = (does) => setImmediate(does);
 globalThis.fetch = async (path) => {
   if (dead-- > 0) throw new TypeError("Failed to fetch");
   if (path.startsWith("/proof/")) return new Response(await crypto.subtle.sign("HMAC", key, text.encode(path.slice("/proof/".length))));

@@ -63,7 +63,8 @@ async function back() {
         await api.back();
         return;
       } catch (error) { // it has ended again, or a file of the pair must be mended first
-        if (!(error instanceof Refusal) || error.status) why = `The studio cannot go on yet: ${error.message}`;
+        const ended = error instanceof Refusal && !error.status;
+        if (!ended) why = `The studio cannot go on yet: ${error instanceof Error ? error.message : error}`;
       }
     }
     if (why !== told) api.lost(why);
