@@ -74,3 +74,14 @@ def test_marks_of_danish_vowels_are_heard_as_no_stop():
     found, moved = align_many(speaker, [(spoken, text), (spoken, exchanged)])
     assert found.left_out == ()
     assert found.confidence >= DOUBTFUL > moved.confidence
+
+
+def test_a_word_before_a_pause_is_no_other_sound():
+    speaker = Speaker.of("english")
+    text = "Hey... Umm..."
+    spoken = speaker.speak(text).audio
+    found, wrong = align_many(speaker, [(spoken, text), (spoken, "I'd love to!")])
+    assert found.confidence >= DOUBTFUL > getattr(wrong, "confidence", 0.0)
+    hey, umm = (found.times[word.first] for word in found.words)
+    assert hey < 0.1
+    assert umm > 0.4

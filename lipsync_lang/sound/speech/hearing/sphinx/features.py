@@ -151,11 +151,13 @@ class HeardFrames:
     ----------
     wide : of each frame, in streams; cepstra alone with those `beside` a frame on each side
     starts : frames of the sound at which each begins, and its end; None for every frame
+    words_alone : True if no other sound stands beside or between the words
     """
 
     wide: Floats
     beside: int = 0
     starts: Ints | None = None
+    words_alone: bool = False
 
     def __len__(self) -> int:
         return len(self.wide) - 2 * self.beside

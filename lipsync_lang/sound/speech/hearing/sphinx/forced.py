@@ -264,9 +264,13 @@ class Node(NamedTuple):
 
 @dataclass
 class Graph:
-    """Graph of permitted phoneme sequences: nodes with their contexts and predecessors."""
+    """Graph of permitted phoneme sequences: nodes with their contexts and predecessors.
+
+    With `words_alone`, there is no other sound in the pauses.
+    """
 
     model: AcousticModel
+    words_alone: bool = False
     nodes: list[Node] = field(default_factory=list)
     contexts: list[PhoneContext] = field(default_factory=list)
     before: list[list[int]] = field(default_factory=list)
@@ -282,6 +286,8 @@ class Graph:
         """Add optional silence and other sound, alternating."""
         silence = self.model.silence
         quiet = self.add(Node(OUTSIDE, silence, WordPosition.INSIDE), silence, silence, before)
+        if self.words_alone:
+            return [quiet]
         # Silence and other sound follow each other in any order: each may precede the other.
         other = Node(OUTSIDE, OUTSIDE, WordPosition.INSIDE)
         loud = self.add(other, silence, silence, [*before, quiet])
@@ -413,7 +419,7 @@ def _window(
     if last and stop < len(words):
         return None
     sound = Listening(model, features[:window])
-    graph = Graph(model)
+    graph = Graph(model, features.words_alone)
     before: list[int] = [SOUND_START]
     for number in range(done, stop):
         # The context of a word's edges is the first pronunciation of its neighbours: which one is

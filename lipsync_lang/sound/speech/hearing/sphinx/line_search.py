@@ -5,6 +5,7 @@ their place, or a phoneme lasts as long as the music. Without that sound they ar
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import combinations, pairwise
 from math import exp
@@ -119,6 +120,9 @@ PART_LOGIT = -1.0
 
 A wrong text, too, fits some part better than the whole.
 """
+
+WORDS_ALONE_LOGIT = -3.0
+"""The same of a search without other sound, which would show where a wrong text fits nothing."""
 
 
 class MovedWord(NamedTuple):
@@ -367,7 +371,8 @@ def found_line(
     """Search for words in a sound, without a steady noise before and after the voice.
 
     If they hardly fit, they are searched in its parts between changes, too. Speech that is not
-    written may be music that holds a word back, as well.
+    written may be music that holds a word back, as well. A word before a pause, as in "Hey... Um",
+    may be taken for other sound, so all sound is tried as the words', too.
     """
     end = -(-len(sound) // HOP_SAMPLES)
     first, stop = voice_span(sound, end)
@@ -386,6 +391,10 @@ def _in_parts(
     sure = whole.sure >= DOUBTFUL and not whole.unwritten
     if sure or len(sound) > MAX_PARTED_FRAMES * HOP_SAMPLES:
         return whole
+    if whole.sure < DOUBTFUL and any(one.word == one.phone == OUTSIDE for one in whole.heard):
+        every = _chosen(_found(models, sound, words, texts, words_alone=True), WORDS_ALONE_LOGIT)
+        if every.sure >= DOUBTFUL:
+            return every
     shortest = MIN_PART_PACE * sum(len(ways[0]) for ways in words)
     features = models.model.front_end(sound.samples())
     parts = [one for one in sound_parts(features) if one[1] - one[0] >= shortest]
@@ -416,14 +425,16 @@ def _timed(found: FoundLine, at: Callable[[float], float]) -> FoundLine:
     return FoundLine(heard, found.sure, moved, tuple(map(span, found.unwritten)))
 
 
-def _found(
+def _found(  # noqa: PLR0913 the line and options
     models: "Models",
     sound: PreparedSound,
     words: Sequence[Pronunciations],
     texts: Sequence[str] = (),
     margin: int = ORDER_MARGIN_FRAMES,
+    *,
+    words_alone: bool = False,
 ) -> FoundLine:
-    heard, features = best_heard(models, sound, words)
+    heard, features = best_heard(models, sound, words, words_alone=words_alone)
     line = FoundLine(heard, line_confidence(heard))
     # a line in doubt may pass by another aligner, which does not tell the order of words
     few = len(features) <= WINDOW_FRAMES and len(words) >= MIN_WORDS
@@ -438,13 +449,18 @@ def _found(
 
 
 def best_heard(
-    models: "Models", sound: PreparedSound, words: Sequence[Pronunciations]
+    models: "Models",
+    sound: PreparedSound,
+    words: Sequence[Pronunciations],
+    *,
+    words_alone: bool = False,
 ) -> tuple[list[HeardPhoneme], HeardFrames]:
     """Align words, as `laid` does, in the features of the sound that fit best; return both.
 
     These are the features of its changing frames.
     """
-    hearings = (one.changing() for one in models.model.front_end.hearings(sound))
+    every = models.model.front_end.hearings(sound)
+    hearings = (replace(one.changing(), words_alone=words_alone) for one in every)
     tries = ((laid(models, one, words) or [], one) for one in hearings)
     return max(tries, key=lambda one: line_confidence(one[0]))
 
@@ -489,11 +505,19 @@ def _alone(
     """Search for words in a part of a sound; the rest is other sound."""
     # the sound around the words of a part is not theirs
     found = _found(models, sound.part(*part), words, margin=0)
+    return _placed(_chosen(found, PART_LOGIT)._replace(moved=None), part, end)
+
+
+def _chosen(found: FoundLine, logit: float) -> FoundLine:
+    """Return a try with less confidence, as it is one of several.
+
+    Without a word, or in doubt, it is nothing.
+    """
     left_out = any(one.phone == OUTSIDE != one.word for one in found.heard)
     if left_out or found.sure < DOUBTFUL:
         return FoundLine([], 0.0)
-    odds = found.sure / (1 - found.sure + 1e-9) * exp(PART_LOGIT)
-    return _placed(found._replace(sure=odds / (1 + odds), moved=None), part, end)
+    odds = found.sure / (1 - found.sure + 1e-9) * exp(logit)
+    return found._replace(sure=odds / (1 + odds))
 
 
 def laid(
