@@ -804,6 +804,11 @@ def names_of(reader, label):
         ("italian", "ts", ["T", "S"]),
         ("mandarin", "zh", ["CH"]),
         ("japanese", "カ", ["K", "AA"]),
+        # kana that look alike, or whose vowel is whispered
+        ("japanese", "モ", ["M", "AO"]),
+        ("japanese", "ボ", ["B", "AO"]),
+        ("japanese", "キョ", ["K", "Y", "AO"]),
+        ("japanese", "シ̥", ["SH"]),
     ],
 )
 def test_a_label_of_any_language_is_heard_as_the_phones_that_sound_most_like_it(
