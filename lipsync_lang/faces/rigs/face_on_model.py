@@ -234,7 +234,8 @@ class FaceOnModel:
     @property
     def doubts(self) -> tuple[str, ...]:
         """Doubtful matches, dead shapes, misnamed ones, and those of the other side."""
-        return (*self.found.doubts, *dict.fromkeys(self.misnamed.values()), *self.swapped)
+        every = (*self.found.doubts, *self.silent.doubts, *self.misnamed.values(), *self.swapped)
+        return (*dict.fromkeys(every),)
 
     @property
     def told(self) -> tuple[str, ...]:

@@ -329,6 +329,16 @@ def test_misnamed_shapes_of_styles_are_named_and_left_out(human):
         assert (max(compiled.style_drafts["happy"]["posture"]) > 0.5) == (not renamed)
 
 
+@pytest.mark.parametrize("fields", [*FACES][:2])
+def test_dead_shapes_that_only_styles_move_are_named_once(cli, anna, fields):
+    path = anna(fields, "mouthSmileLeft", shapes=(*ARKIT, "mouthFrownLeft"))
+    told = f"{path}: on the mesh, nothing moves with mouthSmileLeft\n"
+    line = ("-l", "english", "-c", "anna", "--schedule", "line.tsv")
+    for command in (("check", *line), ("run", *line, "-o", "line.csv")):
+        assert cli(*command).err.count(told) == 1
+    assert cli("characters", "show", "anna").out.count(told) == 1
+
+
 @pytest.mark.parametrize(("renamed", "resting"), MISNAMED)
 def test_a_misnamed_shape_is_left_out_and_named(human, tmp_path, monkeypatch, renamed, resting):
     path = human(renamed, *ARKIT)
