@@ -65,6 +65,8 @@ class Checks(Strict):
     """Times by which the mouth of a model may open farther or less far than in film."""
     seen_flaps: Unit | None = None
     """Share of the consonants that may open the mouth of a model far more than in film."""
+    seen_slits: Unit | None = None
+    """Share of the rounded vowels that may be nearly shut on a model."""
     seen_gaps: Unit | None = None
     """Share of the sounds with shut lips that may leave the lips of a model apart."""
     seen_width: NotNegative | None = None

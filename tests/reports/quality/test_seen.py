@@ -135,6 +135,19 @@ def test_lips_that_do_not_round_fail_and_are_named(judged, monkeypatch, shapes, 
     assert own["seen_rounding"].passed
 
 
+@pytest.mark.parametrize("reach", [0.6, 1.0, 1.6])
+def test_rounded_lips_that_shut_are_named(judged, reach):
+    said = f"reach: {reach}\n", ROUNDED
+    assert judged(ARKIT, "arkit", *said)["seen_slits"].value < 0.2
+    shut = "targets: {w: {mouthPucker: 0.7, jawOpen: 0, dominance: {jawOpen: 4}}}\n"
+    quality = judged(ARKIT, "arkit", shut + said[0], ROUNDED)
+    assert failed(quality) == ["seen_slits"]
+    found = [one.what for one in quality["seen_slits"].findings]
+    assert len(found) > 2
+    assert "UW opens the mouth to 0.0" in found[0]
+    assert judged(ARKIT, "arkit")["seen_slits"].why.startswith("fewer than 3 vowels")
+
+
 def test_rounding_is_asked_of_sounds_and_pose_sets_that_have_it(judged):
     assert judged(ARKIT, "arkit")["seen_rounding"].why.startswith("fewer than 3 sounds")
     for name, limit in (("facefx", 1.2), ("crab", None)):
