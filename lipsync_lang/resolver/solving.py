@@ -32,9 +32,6 @@ IDLE_FIRMNESS = np.array([0.0, 0.0, 0.05, 0.0])
 SHAPE_PRICE, OWN_SHARE = 0.004, 0.2
 """Price of a shape at full weight, and the share of it that a declared shape of the sound costs."""
 
-SPREADING = 0.03
-"""Firmness with which each weight is drawn to 0: two shapes that do the same share the work."""
-
 OPENING_LOOK = 0.1
 """Highest firmness of the look of a shape that opens the mouth, whose weight is to be solved."""
 
@@ -240,7 +237,7 @@ def _fitted(  # noqa: PLR0913, PLR0917 the parts of one problem
         return look
     every = np.eye(len(look))
     # A price is linear in the weight: a far goal that hardly counts has the same slope.
-    rows = np.vstack([gains, SPREADING * every, firmly * every, price / FAR_GOAL])
-    goals = np.concatenate([aim, 0 * look, firmly * look, [-SHAPE_PRICE * FAR_GOAL]])
+    rows = np.vstack([gains, firmly * every, price / FAR_GOAL])
+    goals = np.concatenate([aim, firmly * look, [-SHAPE_PRICE * FAR_GOAL]])
     solved: Floats = lsq_linear(rows, goals, (0.0, top), method="bvls").x
     return solved
