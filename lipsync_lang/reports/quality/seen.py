@@ -26,7 +26,7 @@ SLIT = 0.06
 FLAP = 0.1
 """Aperture of a consonant, past that of filmed lips at reach 1, that a viewer sees as a flap."""
 
-SHUT_SHARE = 0.4
+SLIT_SHARE = 0.4
 """Aperture of rounded lips that a viewer sees as shut, as a share of that in film."""
 
 MUMBLING = 1.3
@@ -148,7 +148,7 @@ def seen_slits(scene: MeasuredScene) -> Iterable[list[Figure]]:
     return _off(
         scene,
         lambda mouth: np.isfinite(mouth.seen.rounded) & ~mouth.seen.consonants,
-        lambda ours, film, _: ours < SHUT_SHARE * film,
+        lambda ours, film, _: ours < SLIT_SHARE * film,
         "vowels that this face should round",
     )
 
