@@ -148,7 +148,9 @@ def test_rows_are_short_and_begin_with_sounds_that_words_show():
     for own in mouths.values():
         shown = [bool(row["words"]) for row in own]
         assert shown == sorted(shown, reverse=True)
-    rows = str(check_language(LIBRARY, LIBRARY.find("language", "english"))).split("\n")
+    found = check_language(LIBRARY, LIBRARY.find("language", "english"))
+    assert "bmp" not in found.told(table=False)
+    rows = str(found).split("\n")
     (row,) = (row for row in rows if row.startswith("  bmp "))
     assert f" + {len(mouths['bmp',]) - MOST_SOUNDS} " in row
     assert len(row.split(" + ")[0].split()) == 1 + MOST_SOUNDS

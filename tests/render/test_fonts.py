@@ -227,17 +227,20 @@ def test_captions_of_stills_are_drawn_in_parts(installed):
 
 @pillow
 def test_captions_of_stills_have_no_boxes(installed, caplog):
+    from PIL import Image
+
     assert list(installed.iterdir()) == []
     stills = [(0.1, "k", f"ok {KHMER}"), (0.2, "m", "plain"), (0.3, "n", "技")]
     black = np.zeros((sheet.CELL, sheet.CELL, 3), np.uint8)
     with caplog.at_level(logging.WARNING):
-        sheet.draw_stills(stills, lambda _: black, BytesIO(), 2)
+        sheet.draw_stills([*stills, *stills[:2]], lambda _: black, page := BytesIO(), 4)
         fonts = sheet._fonts_of([stills[0][2]])  # noqa: SLF001
     ((text, _),) = sheet._parts(stills[0][2], fonts)  # noqa: SLF001
     assert text == f"ok {ELLIPSIS}"
     (first, *_) = caplog.messages
     assert "install Noto Sans Khmer" in first
     assert "install Noto Sans CJK" in first, "one remark for all captions"
+    assert 3 * sheet.CELL < Image.open(page).width < 4 * sheet.CELL, "rows of three and two"
 
 
 # All languages
