@@ -13,7 +13,7 @@ of other scripts are 0 to 9.
 import re
 from collections.abc import Iterator, Mapping
 from functools import cache, cached_property, lru_cache
-from itertools import pairwise
+from itertools import chain, pairwise
 
 from lipsync_lang.text.phonology.g2p.contexts import SEEN_LETTERS, Surroundings, compile_context
 from lipsync_lang.text.phonology.g2p.number_words import DIGITS, number_words, roman
@@ -513,9 +513,8 @@ class Expansions:
             Replacement(*one.span(), one["reading"].translate(_KATAKANA))
             for one in (_RUBY_TEXT.finditer(text) if "《" in text else ())
         )
-        keys = self._keys.find(text)
-        numerals = (*self._roman(text), *self._before_word(text))
-        replaced = (*ruby, *self._again(text), *keys, *numerals, *self._spelled(text))
+        rows = ruby, self._again(text), self._keys.find(text), self._roman(text)
+        replaced = chain(*rows, self._before_word(text), self._spelled(text))
         for one in sorted(replaced, key=lambda one: (one.start, -one.stop)):
             if not found or one.start >= found[-1].stop:
                 found.append(one)
@@ -553,19 +552,19 @@ class Expansions:
         for pattern, ordinals in self._numerals if _NUMERAL_LETTERS.search(text) else ():
             bare = pattern in (_AFTER_NAME, _AFTER_OTHER_NAME)
             for one in pattern.finditer(text):
-                beside = text[max(one.start() - 1, 0) : one.start()], text[one.end("numeral") :][:1]
-                if not bare and any(map(is_spaced, beside)):
-                    continue
+                before = text[max(one.start() - SEEN_KEY_CHARS, 0) : one.start()]
+                after = text[one.end("numeral") : one.end("numeral") + 1]
                 numeral, words = one["numeral"], self._forms.numeral_words
                 like = bare and one[0].replace(numeral, "~").lower() in self._forms.numerals_like
                 number = roman(numeral)
                 ordinal = 0 < number <= len(ordinals)
                 read = ordinals[number - 1] if ordinal else self._keys.respelled(str(number))
                 next_word = _NEXT_WORD.match(text, one.end("numeral")) if numeral in words else None
-                first = "^" * (not text[: one.start()].rstrip(' "“«([')[-1:].strip(".!?…:"))
+                first = "^" * (not before.rstrip(' "“«([')[-1:].strip(".!?…:"))
                 said = {next_word[1], first + next_word[1]} if next_word else set()
                 word = said and said.isdisjoint(words[numeral] or ())
-                if number and not (word or like or (bare and one[0][0].islower())):
+                other = one[0][0].islower() if bare else is_spaced(before[-1:]) or is_spaced(after)
+                if number and not (word or like or other):
                     yield Replacement(one.start("numeral"), one.end(), read)
 
     def _before_word(self, text: str) -> Iterator[Replacement]:
@@ -588,9 +587,8 @@ class Expansions:
         numeral = r"(?P<numeral>[IVXLCDM]{1,12})(?![A-Za-z'’])"
         found: list[tuple[re.Pattern[str], tuple[str, ...]]] = []
         for words, ordinals in ((forms.named, forms.ordinals), (forms.counted, ())):
-            if words:
-                known = map(re.escape, sorted(words, key=len, reverse=True))
-                listed = "|".join(known).replace(r"\*", r"[^\W\d_]+[ \u00a0]")
+            if known := "|".join(map(re.escape, sorted(words, key=len, reverse=True))):
+                listed = known.replace(r"\*", r"[^\W\d_]+[ \u00a0]")
                 before = rf"(?<![A-Za-z])(?i:{listed})[ \u00a0]*"
                 found.append((re.compile(f"{before}{numeral}{_DOT}"), ordinals))
         return [*found, (_AFTER_OTHER_NAME, forms.ordinals), (_AFTER_NAME, ())] if found else []
