@@ -92,7 +92,9 @@ def _settings(language: "Pack[models.Language]", common: "models.Phonemes") -> S
         rules=tuple(Rule(r.spelling, r.to, r.before, r.after) for r in g2p.rules),
         readings=tuple(Rule(r.spelling, r.to, r.before, r.after) for r in g2p.readings),
         corrections=tuple(
-            Correction(c.labels, c.to, c.before, c.after, c.spelled, c.timings, c.next_word)
+            Correction(
+                c.labels, c.to, c.before, c.after, c.spelled, c.timings, c.next_word, c.capital
+            )
             for c in g2p.corrections
         ),
         labels=tuple(model.notations.get(model.g2p_notation, ())),

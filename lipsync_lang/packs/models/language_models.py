@@ -230,8 +230,9 @@ class LabelCorrection(Strict):
     after: ContextText = ""
     """A regular expression that must match the labels before them, joined without spaces."""
     spelled: ContextText = ""
-    """A regular expression, in small letters, that must be found in the word as it is written. One
-    with `[A-Z` in it needs a word with a capital, such as a name."""
+    """A regular expression, in small letters, that must be found in the word as it is written."""
+    capital: bool = False
+    """True for words that begin with a capital letter alone, such as names."""
     next_word: ContextText = ""
     """A regular expression that must match the first label of the next word; none follows before a
     pause."""
@@ -241,7 +242,8 @@ class LabelCorrection(Strict):
 
     @model_validator(mode="after")
     def _as_many(self) -> Self:
-        if self.timings and (len(self.to) != len(self.labels) or self.spelled or self.next_word):
+        of_words = self.spelled or self.capital or self.next_word
+        if self.timings and (of_words or len(self.to) != len(self.labels)):
             what = "`timings` needs as many labels in `to` as in `from`, and no context of words"
             raise PydanticCustomError("P115", what, {"field": "timings"})
         return self

@@ -328,7 +328,7 @@ def test_no_label_is_lost_in_pairing(text, clauses):
 
 
 def test_a_correction_of_names_needs_a_capital():
-    mend = corrector([Correction(("z",), (), before="$", spelled="^(?!les$)[A-Z].*s$")])
+    mend = corrector([Correction(("z",), (), before="$", spelled="^(?!les$).*s$", capital=True)])
     said = {text: mend(SpokenWord(text, ("a", "z"))).labels for text in ("Bois", "bois", "Les")}
     assert said == {"Bois": ("a",), "bois": ("a", "z"), "Les": ("a", "z")}
     assert mend(SpokenWord("BOIS", ("a", "z"))).labels == ("a", "z")

@@ -39,7 +39,7 @@ SENT_BYTES = 4096
 """Maximum bytes sent ahead. A pipe holds more on all systems, so sending never blocks."""
 
 READ_BYTES = 1 << 30
-"""Maximum bytes of a sound, 13 hours of speech; a worker that announces more sends garbage."""
+"""Maximum bytes of a sound, 6 hours of speech; a worker that announces more sends garbage."""
 
 FORKS = hasattr(os, "fork") and sys.platform != "darwin"
 """True if the system can fork a process that has loaded libraries: Windows and macOS cannot."""

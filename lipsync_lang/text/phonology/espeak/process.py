@@ -69,6 +69,7 @@ def modifies(label: str) -> bool:
 
 
 Bytes = bytes | bytearray
+"""Bytes of an answer: read at once, or into one buffer."""
 
 FRAME_MAGIC = b"lipsync1"
 WORKER = Path(__file__).with_name("espeak_worker.py")

@@ -7,7 +7,7 @@ in order, and the first that fits takes its labels; every other label stays as i
 A context is a regular expression (see `contexts`) over the labels of the word, joined without
 spaces, in any spelling of them: ``^`` in `after` is the start of the word, ``$`` in `before` its
 end. `spelled` must be found in the word as it is written, or respelled, composed and in small
-letters; one with `[A-Z` in it needs a word with a capital, such as a name. `next_word` is for the
+letters; with `capital`, that word must begin with a capital, such as a name. `next_word` is for the
 first label of the next word; none follows before a pause. All contexts see the labels as the engine
 gave them.
 """
@@ -43,7 +43,7 @@ class _CompiledCorrection(NamedTuple):
     around: Surroundings
     spelled: Context | None
     next_word: Context | None
-    named: bool
+    capital: bool
 
     def fits(self, sounds: str, start: int, stop: int, written: str, following: str) -> bool:
         """Return True if the labels between two positions of a word's sounds are corrected."""
@@ -93,8 +93,7 @@ def corrector(corrections: Iterable[Correction]) -> Callable[..., SpokenWord]:
         spelled, _ = Surroundings.compiled(one.spelled, "", where)
         next_word, _ = Surroundings.compiled(one.next_word.translate(SAME), "", where)
         labels = tuple(map(normalise, one.labels))
-        named = "[A-Z" in one.spelled
-        compiled = _CompiledCorrection(labels, one.to, around, spelled, next_word, named)
+        compiled = _CompiledCorrection(labels, one.to, around, spelled, next_word, one.capital)
         first.setdefault(labels[0], []).append(compiled)
 
     @lru_cache(CACHED_WORDS)
@@ -122,12 +121,12 @@ def _corrected(
     folded = [plain(label) for label in labels]
     starts = [0, *accumulate(map(len, folded))]
     sounds, written = "".join(folded), plain(said.respelled or said.text)[:MAX_WRITTEN_CHARS]
-    at, named = 0, said.text[:2].istitle()
+    at, capital = 0, said.text[:2].istitle()
     while at < len(labels):
         for one in first.get(labels[at], ()):
             stop = at + len(one.labels)
             if (
-                one.named <= named
+                one.capital <= capital
                 and labels[at:stop] == one.labels
                 and one.fits(sounds, starts[at], starts[stop], written, following)
             ):

@@ -59,6 +59,8 @@ class Correction(NamedTuple):
     timings: bool = False
     """True to correct labels of timings too, which no engine wrote."""
     next_word: str = ""
+    capital: bool = False
+    """True for words that begin with a capital letter alone."""
     """A regular expression that must match the first label of the next word, before any pause."""
 
 
