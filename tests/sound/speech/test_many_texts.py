@@ -310,6 +310,7 @@ def test_a_worker_that_is_lost_is_replaced(faulty, fault):
 @full
 @needs_fork
 def test_few_texts_are_taken_ahead_of_speech(faulty):
+    faulty.patience = 10  # a busy machine starts a worker in time
     texts = iter([f"number {n}" for n in range(100)])
     spoken = faulty.speak_many(texts, "en-us")
     next(spoken)
