@@ -274,6 +274,17 @@ def test_batches_share_a_worker_until_another_voice_speaks():
 
 
 @needs_fork
+def test_a_sound_of_several_reads_comes_from_one_worker():
+    pytest.importorskip("espeakng_loader")
+    engine = Espeak()
+    list(engine.speak_many(["a", "b"], "en-us"))
+    (stream,) = espeak_stream.IDLE.values()
+    long, _ = engine.speak_many(["one two three four five six seven", "b"], "en-us")
+    assert long.audio.samples.nbytes > 1 << 16, "more than a pipe holds"
+    assert [*espeak_stream.IDLE.values()] == [stream], "it was not lost"
+
+
+@needs_fork
 def test_a_forked_process_has_a_worker_of_its_own():
     pytest.importorskip("espeakng_loader")
     list(Espeak().speak_many(["a", "b"], "en-us"))
