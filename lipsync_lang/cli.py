@@ -4,8 +4,6 @@ Data goes to stdout, messages to stderr. Exit codes: 0 success; 1 faults found; 
 143 for interruption and termination, as in shells.
 """
 
-import atexit
-import gc
 import logging
 import os
 import sys
@@ -37,13 +35,6 @@ _log = logging.getLogger(__name__)
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
-    if arguments is None:  # as a program: a start makes many objects, and drops few
-        gc.set_threshold(20_000)
-        atexit.register(gc.freeze)  # the end would look for cycles among all objects, in vain
-        # Pydantic would look for plug-ins of its own in all installed packages.
-        os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-        # Idle threads of NumPy's linear algebra would keep their processors busy at every start.
-        os.environ.setdefault("OPENBLAS_THREAD_TIMEOUT", "4")  # 2**4 cycles, the least
     _encode_all()
     try:
         with terminating(), safe_streams():

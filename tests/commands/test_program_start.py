@@ -10,6 +10,7 @@ import pytest
 from command_line import PAIR
 from lanes import full, swept
 
+from lipsync_lang.__main__ import main as program
 from lipsync_lang.cli import main
 
 pytestmark = pytest.mark.usefixtures("folder")
@@ -41,14 +42,26 @@ def test_only_the_program_changes_how_python_collects(monkeypatch, capsys):
     usual = gc.get_threshold()
     try:
         gc.set_threshold(700)  # as Python does; the tests collect more rarely
-        assert main(["voices"]) == 0
-        assert gc.get_threshold()[0] == 700
         monkeypatch.setattr(sys, "argv", ["lipsync-lang", "voices"])
         assert main() == 0
+        assert gc.get_threshold()[0] == 700
+        assert program() == 0
         assert gc.get_threshold()[0] > 700
     finally:
         gc.set_threshold(*usual)
     capsys.readouterr()
+
+
+def test_the_program_collects_rarely_before_it_imports():
+    code = (
+        "import gc, sys\n"
+        "from lipsync_lang.__main__ import main\n"
+        "before = gc.get_stats()[0]['collections']\n"
+        "sys.argv = ['lipsync-lang', '--version']\n"
+        "try: main()\n"
+        "except SystemExit: print(gc.get_stats()[0]['collections'] - before)"
+    )
+    assert start(sys.executable, "-c", code).stdout.split()[-1] == "0"
 
 
 @full
