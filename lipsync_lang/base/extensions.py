@@ -255,14 +255,15 @@ class Formats(Extensions[F]):
             found = _ending(path, self)
         return found
 
+    def named(self, path: Path) -> F | None:
+        """Return the format that a path's only suffix names; those beside it are not imported."""
+        name = path.suffix[1:].lower()
+        found = self.known[name] if len(path.suffixes) == 1 and self._alone(name) else None
+        return found if found and f".{name}" in found.suffixes else None
+
     def first(self, path: Path) -> F | None:
         """Return the first format of `ending`; the one that is named after a suffix leads."""
-        name = path.suffix[1:].lower()
-        if len(path.suffixes) == 1 and self._alone(name):
-            named = self.known[name]
-            if f".{name}" in named.suffixes:
-                return named
-        return next(iter(self.ending(path)), None)
+        return self.named(path) or next(iter(self.ending(path)), None)
 
     def suffixes(self) -> list[str]:
         """Return all known suffixes, sorted."""

@@ -143,6 +143,10 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
     """Return the reader of a file: the named one, or the one for its content and suffix."""
     if name is not None:
         return TIMING_READERS.find(name, ScheduleError)
+    # Nobody else writes what our own readers know, such as our JSON: no others are imported.
+    leading = TIMING_READERS.named(source.path)
+    if leading is not None and leading.sniff(source):
+        return leading
     named = TIMING_READERS.ending(source.path)
     own = [one for one in named if TIMING_READERS.origins[one.name] == PROGRAM]
     # A plug-in reads what no built-in reader knows; another suffix counts where its own does not.
