@@ -28,7 +28,7 @@ from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import PoseSet, RigChannel, RigPack
 from lipsync_lang.packs.models.rig_models import channels_of, expanded
-from lipsync_lang.packs.yaml.faults import shown
+from lipsync_lang.packs.yaml.pack_files import shown
 from lipsync_lang.packs.yaml.value_text import on_one_line
 
 MAX_ALTERNATIVES = 3

@@ -15,7 +15,7 @@ from lipsync_lang.packs.finding import FOLDERS, POSESET, SHARED, beside, built_i
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.splicing import spliced
 from lipsync_lang.packs.yaml.building import read_yaml
-from lipsync_lang.packs.yaml.faults import shown
+from lipsync_lang.packs.yaml.pack_files import shown
 
 MAX_COPY_BYTES = 256 * 2**20
 """Maximum size of a copy in bytes; a larger folder has other files than a pose set."""

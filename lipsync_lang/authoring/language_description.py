@@ -11,7 +11,7 @@ from lipsync_lang.packs.checking.language_checks import notation_of
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.pack import Pack
-from lipsync_lang.packs.yaml.faults import shown
+from lipsync_lang.packs.yaml.pack_files import shown
 from lipsync_lang.resolver.nearest_phonemes import among, disagreements, reason_for
 from lipsync_lang.text.phonology.labels import normalise
 

@@ -110,7 +110,7 @@ def _against(
 def _overriding(options: Namespace, performer: "Performer") -> Iterable[str]:
     """Return remarks on packs of the current folder that shadow built-in packs."""
     from lipsync_lang.packs.finding import Finder, Kind
-    from lipsync_lang.packs.yaml.faults import shown
+    from lipsync_lang.packs.yaml.pack_files import shown
 
     finder, compiled = Finder(options.path), performer.compiled
     kinds: tuple[Kind, ...] = ("language", "poseset", "character")

@@ -46,7 +46,8 @@ def _pack_faults(options: Namespace, paths: list[Path]) -> "list[Fault]":
     from lipsync_lang.authoring.trial import Trial, doubts, languages_in, try_out, unheard
     from lipsync_lang.packs.checking.validate import validate as find_faults
     from lipsync_lang.packs.library import Library
-    from lipsync_lang.packs.yaml.faults import PackFaults, shown
+    from lipsync_lang.packs.yaml.faults import PackFaults
+    from lipsync_lang.packs.yaml.pack_files import shown
     from lipsync_lang.production.builds.project_build import planning_faults
 
     library = Library(options.path)

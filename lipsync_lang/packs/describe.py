@@ -10,7 +10,7 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import MODELS, AtMost
 from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
 from lipsync_lang.packs.pack import Pack
-from lipsync_lang.packs.yaml.faults import shown
+from lipsync_lang.packs.yaml.pack_files import shown
 
 
 class Description(NamedTuple):

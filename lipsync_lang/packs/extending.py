@@ -8,7 +8,8 @@ from pydantic import BaseModel
 
 from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.packs.pack import Pack
-from lipsync_lang.packs.yaml.faults import Fault, shown
+from lipsync_lang.packs.yaml.faults import Fault
+from lipsync_lang.packs.yaml.pack_files import shown
 from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.text.phonology.labels import normalise
 

@@ -17,7 +17,7 @@ from typing import Literal, NamedTuple, get_args
 from lipsync_lang.base.errors import PackError, did_you_mean
 from lipsync_lang.base.extensions import PACKS, EntryPoint, installed
 from lipsync_lang.base.files.reach import PATH_VARIABLE, is_contained, is_reached, refuse_outside
-from lipsync_lang.packs.yaml.source import read_bytes
+from lipsync_lang.packs.yaml.pack_files import read_bytes
 from lipsync_lang.text.phonology.language_names import folded_language
 
 Kind = Literal["language", "poseset", "character"]

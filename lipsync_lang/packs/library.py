@@ -30,8 +30,9 @@ from lipsync_lang.packs.finding import (
     pack_name,
 )
 from lipsync_lang.packs.pack import Pack
-from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
-from lipsync_lang.packs.yaml.source import YamlSource, read_bytes
+from lipsync_lang.packs.yaml.faults import Fault, PackFaults
+from lipsync_lang.packs.yaml.pack_files import read_bytes, shown
+from lipsync_lang.packs.yaml.source import YamlSource
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models

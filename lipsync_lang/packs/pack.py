@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
 from lipsync_lang.base.errors import did_you_mean
-from lipsync_lang.packs.yaml.faults import Fault, shown
+from lipsync_lang.packs.yaml.faults import Fault
+from lipsync_lang.packs.yaml.pack_files import shown
 from lipsync_lang.packs.yaml.source import Loc, YamlSource
 
 if TYPE_CHECKING:

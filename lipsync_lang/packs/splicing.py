@@ -19,18 +19,10 @@ from lipsync_lang.base.files import atomic
 from lipsync_lang.packs.finding import pack_name
 from lipsync_lang.packs.models.validation import validated
 from lipsync_lang.packs.yaml.building import read_yaml, scan
-from lipsync_lang.packs.yaml.faults import PackFaults, shown
+from lipsync_lang.packs.yaml.faults import PackFaults
+from lipsync_lang.packs.yaml.pack_files import MAX_PACK_BYTES, read_bytes, shown
 from lipsync_lang.packs.yaml.rewriting import RewriteError, rewritten, same
-from lipsync_lang.packs.yaml.source import (
-    FILE_START,
-    MAX_PACK_BYTES,
-    Data,
-    Loc,
-    Position,
-    SourceMark,
-    YamlSource,
-    read_bytes,
-)
+from lipsync_lang.packs.yaml.source import FILE_START, Data, Loc, Position, SourceMark, YamlSource
 
 
 class _Absent:

@@ -23,7 +23,7 @@ from zlib import crc32
 from lipsync_lang.base.version import __version__
 from lipsync_lang.packs.finding import FOLDERS, Finder, Paths, located, model_state
 from lipsync_lang.packs.project import stated_mouth
-from lipsync_lang.packs.yaml.source import read_bytes
+from lipsync_lang.packs.yaml.pack_files import read_bytes
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.resolver.compiled import CompiledPair, Origin, Report
 

@@ -19,7 +19,8 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.rig_models import pose_names
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.project import stated_mouth
-from lipsync_lang.packs.yaml.faults import Fault, shown
+from lipsync_lang.packs.yaml.faults import Fault
+from lipsync_lang.packs.yaml.pack_files import shown
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.motion import Motion

@@ -18,7 +18,8 @@ from lipsync_lang.packs.library import KnownPhonemes, Library
 from lipsync_lang.packs.models import PhonemeTarget
 from lipsync_lang.packs.pack import FilePlace, Pack
 from lipsync_lang.packs.project import stated_mouth
-from lipsync_lang.packs.yaml.faults import PackFaults, shown
+from lipsync_lang.packs.yaml.faults import PackFaults
+from lipsync_lang.packs.yaml.pack_files import shown
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.tables import Contact
 from lipsync_lang.resolver.compiled import Origin, Pair, Triple

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.packs.finding import FOLDERS
-from lipsync_lang.packs.yaml.faults import shown
+from lipsync_lang.packs.yaml.pack_files import shown
 from lipsync_lang.resolver.bigram_sources import stated
 from lipsync_lang.resolver.compiled import CompiledPair, Pair
 from lipsync_lang.resolver.layers import NEUTRAL, BigramRow, PairPacks

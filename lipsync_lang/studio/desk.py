@@ -24,8 +24,8 @@ from lipsync_lang.base.files.writing import cannot_write, replace_file
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.packs.finding import Finder
 from lipsync_lang.packs.splicing import ABSENT, SplicedText, plain
-from lipsync_lang.packs.yaml.faults import shown
-from lipsync_lang.packs.yaml.source import Loc, read_bytes
+from lipsync_lang.packs.yaml.pack_files import read_bytes, shown
+from lipsync_lang.packs.yaml.source import Loc
 from lipsync_lang.resolver.retouch import OpenPair
 from lipsync_lang.studio.merging import (
     Choices,

@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.splicing import ABSENT, Change, SplicedText
-from lipsync_lang.packs.yaml.faults import shown
+from lipsync_lang.packs.yaml.pack_files import shown
 from lipsync_lang.packs.yaml.source import Data, Loc
 
 MergeSide = Literal["mine", "theirs"]

@@ -10,7 +10,7 @@ from test_mutation import FILES, SLIPS, edited
 
 from lipsync_lang.packs.yaml import events
 from lipsync_lang.packs.yaml.building import scan
-from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES
+from lipsync_lang.packs.yaml.pack_files import MAX_PACK_BYTES
 
 HERE = Path("here.yaml")
 EDITS = 300

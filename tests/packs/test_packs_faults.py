@@ -17,7 +17,7 @@ from lipsync_lang.packs.models import MODELS
 from lipsync_lang.packs.models.language_models import ALIAS_PATTERN, TAG_PATTERN
 from lipsync_lang.packs.models.validation import _words
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, fault_codes
-from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES
+from lipsync_lang.packs.yaml.pack_files import MAX_PACK_BYTES
 
 COMMON = "languages/common.yaml"
 PARENT = "languages/parent.yaml"

@@ -102,7 +102,7 @@ def add_bigrams(library: "Library", path: Path, made: BankBigrams) -> list[str]:
     """Add bigrams to a bank, made if missing, or to a character; return the new ones."""
     from lipsync_lang.base.files import atomic
     from lipsync_lang.packs.splicing import spliced
-    from lipsync_lang.packs.yaml.source import read_bytes
+    from lipsync_lang.packs.yaml.pack_files import read_bytes
 
     create = None if path.exists() else empty_bank(made.poseset, path)
     content = read_bytes(path) if create is None else create.encode()

@@ -13,7 +13,8 @@ from lipsync_lang.packs.extending import test_fault
 from lipsync_lang.packs.finding import IPA, beside
 from lipsync_lang.packs.models.text_models import LanguageText, RulesLike, parts_of
 from lipsync_lang.packs.pack import Pack
-from lipsync_lang.packs.yaml.faults import Fault, shown
+from lipsync_lang.packs.yaml.faults import Fault
+from lipsync_lang.packs.yaml.pack_files import shown
 from lipsync_lang.packs.yaml.source import Loc
 from lipsync_lang.text.phonology.g2p.g2p_engines import Rule
 from lipsync_lang.text.phonology.g2p.number_words import named_rules

@@ -22,7 +22,8 @@ from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.project import FILE as PROJECT_FILE
 from lipsync_lang.packs.project import PROJECT, check_paths, find_project, stated_mouth
 from lipsync_lang.packs.splicing import ABSENT, put
-from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
+from lipsync_lang.packs.yaml.faults import Fault, PackFaults
+from lipsync_lang.packs.yaml.pack_files import shown
 from lipsync_lang.packs.yaml.source import Loc, YamlSource
 from lipsync_lang.text.phonology.language_names import folded_language
 

@@ -13,16 +13,9 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from lipsync_lang.packs.yaml.events import Event, YamlError, events
-from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
-from lipsync_lang.packs.yaml.source import (
-    FILE_START,
-    MAX_PACK_BYTES,
-    Data,
-    Position,
-    SourceMark,
-    YamlSource,
-    read_bytes,
-)
+from lipsync_lang.packs.yaml.faults import Fault, PackFaults
+from lipsync_lang.packs.yaml.pack_files import MAX_PACK_BYTES, read_bytes, shown
+from lipsync_lang.packs.yaml.source import FILE_START, Data, Position, SourceMark, YamlSource
 
 MAX_NESTING_LEVELS = 40
 """Levels of nesting; packs use about eight."""

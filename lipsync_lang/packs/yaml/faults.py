@@ -88,11 +88,3 @@ class PackFaults(PackError):  # noqa: N818 it carries faults, and is raised as t
     def __str__(self) -> str:
         """List every fault, however many there are."""
         return "\n".join(map(str, self.faults))
-
-
-def shown(path: Path) -> str:
-    """Return a path for a message: relative to the current folder if it lies below."""
-    try:
-        return str(path.relative_to(Path.cwd()))
-    except (ValueError, OSError):
-        return str(path)

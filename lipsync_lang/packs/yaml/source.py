@@ -13,11 +13,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from lipsync_lang.base.errors import PackError
-from lipsync_lang.packs.yaml.faults import Fault, shown
-
-MAX_PACK_BYTES = 2**20
-"""Largest pack file, in bytes."""
+from lipsync_lang.packs.yaml.faults import Fault
+from lipsync_lang.packs.yaml.pack_files import shown
 
 Loc = tuple[str | int, ...]
 
@@ -109,18 +106,6 @@ class YamlSource:
     ) -> Fault:
         """Return a fault at `loc`."""
         return Fault(shown(self.path), *self.where(loc, key=key), code, what, hint)
-
-
-def read_bytes(path: Path) -> bytes:
-    """Return the bytes of a pack file, cut off just above the size limit; raise `PackError`.
-
-    The cut lets the builder refuse an endless file (a device, a pipe) for its size.
-    """
-    try:
-        with path.open("rb") as stream:
-            return stream.read(MAX_PACK_BYTES + 1)
-    except OSError as error:
-        raise PackError(f"{shown(path)}: cannot be read: {error.strerror or error}") from None
 
 
 def _step(

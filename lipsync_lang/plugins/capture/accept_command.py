@@ -102,7 +102,7 @@ def _remove(options: Namespace, wanted: Sequence[str]) -> int:
         told = {"file": str(done.path), "removed": list(done.taken), "written": not options.dry_run}
         print(as_json(told))
         return SOUND
-    from lipsync_lang.packs.yaml.faults import shown
+    from lipsync_lang.packs.yaml.pack_files import shown
 
     verb = "would be taken" if options.dry_run else "taken"
     _name(done.taken)
@@ -146,7 +146,7 @@ def _weights(stated: dict[str, Any]) -> str:
 
 def _tell(done: "Acceptance", *, dry: bool) -> None:
     """Name the accepted items, and the requested items that were left out."""
-    from lipsync_lang.packs.yaml.faults import shown
+    from lipsync_lang.packs.yaml.pack_files import shown
 
     _name(done.taken)
     for row in done.left[:MAX_SHOWN_ITEMS]:

@@ -17,7 +17,7 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Character
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.splicing import ABSENT, Change, get, plain, put, rewrite
-from lipsync_lang.packs.yaml.faults import shown
+from lipsync_lang.packs.yaml.pack_files import shown
 from lipsync_lang.plugins.capture.fit_file import FitItem, FitProposal, rounded, split_item
 from lipsync_lang.resolver.layers import FITTED, PairPacks
 

@@ -43,8 +43,8 @@ from lipsync_lang.packs.models.pose_models import AnticipateSeconds, Softness, T
 from lipsync_lang.packs.models.validation import validated_as
 from lipsync_lang.packs.splicing import plain
 from lipsync_lang.packs.yaml.building import read_yaml
-from lipsync_lang.packs.yaml.faults import shown
-from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES, Data
+from lipsync_lang.packs.yaml.pack_files import MAX_PACK_BYTES, shown
+from lipsync_lang.packs.yaml.source import Data
 from lipsync_lang.pipeline.motion import SLOW_SPEED
 
 FIT_FORMAT = 1

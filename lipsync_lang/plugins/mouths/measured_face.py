@@ -14,7 +14,7 @@ from lipsync_lang.faces.rigs.read_outs import LEAST_MOUTH, unmeasured
 from lipsync_lang.packs.finding import is_model
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import PoseSet
-from lipsync_lang.packs.yaml.faults import shown
+from lipsync_lang.packs.yaml.pack_files import shown
 from lipsync_lang.resolver.rigging import best_match, model_file, plain_rig
 from lipsync_lang.resolver.solving import MOST_SHAPE, OPENING_SHARE, STILL_GAIN
 

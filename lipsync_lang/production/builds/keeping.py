@@ -17,6 +17,8 @@ from lipsync_lang.production.builds.records import (
     LineRecord,
     OutputRecord,
     Records,
+    as_json,
+    packed_figures,
     unpacked_figures,
     unusable,
 )
@@ -51,7 +53,8 @@ class OutputKeeper:
         kept: list[str] = []
         standing = StandingOutputs(self.folder)
         for one in made:
-            step, outputs = self.steps[one.key], self.records.outputs(one.key)
+            step = self.steps[one.built.line.key]
+            outputs = self.records.outputs(one.built.line.key)
             for file in one.files:
                 # Again, since the plan is older: somebody may have written the file meanwhile.
                 stands = standing.digest(file.path) if file.path in step.unknown else ""
@@ -67,9 +70,12 @@ class OutputKeeper:
                     self._moves.append((file.temporary, self.folder / file.path))
                 else:
                     self._members.setdefault(split[0], {})[split[1]] = Path(file.temporary)
-            needs = self.records.packed(one.needs)
-            whole = one.record._replace(inputs=step.inputs, needs=needs, outputs=outputs)
-            self._rows.append((one.key, whole))
+            built = one.built
+            notes = [(figure.at, figure.words) for figure in built.figures]
+            result = as_json((built.outcome, built.message, built.seconds, notes, built.left_out))
+            known = step.inputs, as_json(one.contents), self.records.packed(one.needs), outputs
+            judged = built.verdict, built.confidence, *packed_figures(built.figures)
+            self._rows.append((built.line.key, LineRecord(*known, *judged, result)))
         if not self._members or len(self._rows) >= MAX_WAITING_LINES:
             self.flush()
         return kept

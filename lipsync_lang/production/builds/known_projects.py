@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 from lipsync_lang.base.files.reach import refuse_outside
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.project import check_paths, load_project
-from lipsync_lang.packs.yaml.source import read_bytes
+from lipsync_lang.packs.yaml.pack_files import read_bytes
 from lipsync_lang.resolver.cache import compiler, delete_oldest, folder, keep, unsealed
 
 if TYPE_CHECKING:

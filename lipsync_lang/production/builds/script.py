@@ -20,7 +20,7 @@ from lipsync_lang.packs.finding import Finder, Paths, folders_of, pack_name
 from lipsync_lang.packs.language_files import spoken_in
 from lipsync_lang.packs.project import FILE
 from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces, stated_faces, unique
-from lipsync_lang.packs.yaml.faults import shown
+from lipsync_lang.packs.yaml.pack_files import shown
 from lipsync_lang.production.builds.output_paths import (
     OutputPattern,
     check_links,
