@@ -40,6 +40,12 @@ HASTY = tuple(
     tuple(word.split())
     for word in ("s w ɪ m", "s ɛ v ə n", "s uː n", "w iː s ɛ", "dʒ æ k", "m ɛ ʒ ɚ", "w ɑː tʃ ɪ z")
 )
+SHORT = 0.055
+CLOSURES = tuple(
+    tuple(word.split())
+    for word in ("w oʊ m ɛ n", "b oʊ b oʊ θ", "ð ɛ m ɛ n", "s w ɪ m", "ɹ ɑː p ɑː", "ð ɪ b oʊ θ")
+)
+LABIODENTALS = tuple(tuple(word.split()) for word in ("w uː f uː", "oʊ v ɚ", "f ɑː v", "ʃ v ɛ s t"))
 INSIDE = ("teeth", "mouth", "gums", "tongue")
 
 
@@ -103,6 +109,19 @@ def faults(head):
 
 def test_the_shipped_head_shows_teeth_on_the_lip_and_none_in_round_or_shut_mouths():
     assert faults("facefx") == []
+
+
+def test_lips_of_the_shipped_head_seal_in_short_closures():
+    for word, sound, found in seen("facefx", CLOSURES, "english", SHORT):
+        if sound in {"m", "b", "p"}:
+            assert sum(found[part] for part in INSIDE) < 0.012 * found["lips"], (word, sound)
+
+
+def test_the_lower_lip_of_the_shipped_head_meets_the_upper_teeth_in_short_labiodentals():
+    for word, sound, found in seen("facefx", LABIODENTALS, "english", FAST):
+        if sound in {"f", "v"}:
+            inside = sum(found[part] for part in INSIDE)
+            assert found["teeth"] > 0.93 * inside > 0.01 * found["lips"], (word, sound)
 
 
 def apart(head, least, *manner):
