@@ -231,10 +231,12 @@ def lead(head: Head, clips: Clips) -> float:
 
 
 def correlate(real: np.ndarray, ours: np.ndarray) -> float:
-    """Return Pearson's r over the frames where both faces were found."""
+    """Return Pearson's r over the frames where both faces were found; 0 if ours never moves."""
     both = np.isfinite(real) & np.isfinite(ours)
-    if both.sum() < 3 or not np.ptp(real[both]) or not np.ptp(ours[both]):
+    if both.sum() < 3 or not np.ptp(real[both]):
         return float("nan")
+    if not np.ptp(ours[both]):
+        return 0.0
     return float(np.corrcoef(real[both], ours[both])[0, 1])
 
 

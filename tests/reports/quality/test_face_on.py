@@ -72,6 +72,11 @@ def test_lips_are_compared_where_the_film_is_ahead(face_on):
     assert judged(face_on, lips(), film)[0]["aperture r"] < 0.9
 
 
+def test_lips_that_never_move_are_like_none(face_on):
+    still = lips(gain=0.0)
+    assert judged(face_on, still, lips())[0]["aperture r"] == 0
+
+
 def test_frames_without_a_face_do_not_count(face_on):
     film = lips()
     film[20:26, 1:] = np.nan
