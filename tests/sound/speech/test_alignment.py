@@ -809,6 +809,8 @@ def names_of(reader, label):
         ("japanese", "ボ", ["B", "AO"]),
         ("japanese", "キョ", ["K", "Y", "AO"]),
         ("japanese", "シ̥", ["SH"]),
+        ("japanese", "ティ", ["T", "IY"]),
+        ("japanese", "ヴァ", ["B", "AA"]),
     ],
 )
 def test_a_label_of_any_language_is_heard_as_the_phones_that_sound_most_like_it(
