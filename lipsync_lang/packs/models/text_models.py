@@ -170,7 +170,7 @@ class Numerals(Strict):
     words: Annotated[dict[Text, tuple[Text, ...] | None], OrNames] = Field(default={})
     """Numerals that are words too, such as the English `I`: no numeral before a small letter,
     except before the words stated, as in `I: [of]`. `^lost` is one behind a name that starts a
-    sentence: `Charles I lost`."""
+    sentence: `Charles I lost`. `*` is any letters, and `[!e]` one other than `e`: `^*[!e]ed`."""
 
 
 def parts_of(spelling: str) -> tuple[list[str], list[str]]:
@@ -225,9 +225,9 @@ class LanguageText(Strict):
     sentence where a capital follows. Other spellings with a capital and a full stop are titles, and
     stand before a name. `Saint|Street` has after `|` what is read without one. `…str.` is the end
     of a word, and `…th…` stands within words, too. `{month}` in both is each word of the list
-    `month`. `№ #` also serves `#1`, and `≈ #` serves `~30`. A spelling that holds more of the text
-    precedes others. If `#` itself is a spelling, all numbers in words are read as it says, and `-#`
-    names the minus of each."""
+    `month`. `№ #` also serves `#1`, `≈ #` serves `~30`, and `50/50` other shares of 100, such as
+    `60/40`. A spelling that holds more of the text precedes others. If `#` itself is a spelling,
+    all numbers in words are read as it says, and `-#` names the minus of each."""
     ranks: Annotated[
         dict[Text, Annotated[str, Field(pattern=r"^[^{}|]+$")]], Short(_each_spelling)
     ] = Field(default={})

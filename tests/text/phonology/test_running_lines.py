@@ -223,6 +223,9 @@ def test_a_number_with_decimals_has_one_unit(name):
     for key in (one for one in units if "} {1:" in text.abbreviations[one]):
         written = key.replace("#", "2,5")
         assert not search(r"[^\W\d],[^\W\d]", respelled(written, expansions.find(written)))
+    for unit in text.lists["decimal_unit"]:
+        read = [respelled(one, expansions.find(one)) for one in (f"2,5 {unit}", f"2.5 {unit}")]
+        assert read[0] == read[1]
 
 
 @pytest.mark.parametrize(
@@ -238,6 +241,29 @@ def test_a_rank_is_read_without_a_name_where_a_case_shows_it(written, said):
     nameless = ("$", r"(?<!\w)mi ", {})
     forms = SpokenForms(abbreviations={"tte.": "teniente||"}, rank_cases=(nameless,))
     assert respelled(written, Expansions(forms).find(written)) == said
+
+
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        ("5'e", "5e"),
+        ("Ali'ye", "Aliye"),
+        ("it is 3.5 km", "it is three and five km"),
+        ("it is 3.500 km", "it is 3500 km"),
+        ("60/40 and 7/10 and 50/50", "60 to 40 and 7 of 10 and 50 to 50"),
+    ],
+)
+def test_signs_between_figures_show_what_they_mean(written, said):
+    keys = {"…'…": "", "#.# km": "{1:n} and {2:n} km", "#/#": "{1} of {2}", "50/50": "50 to 50"}
+    words = ("one", "two", "three", "four", "five")
+    forms = SpokenForms(abbreviations=keys, numbers={"n": words}, thousands=".")
+    assert respelled(written, Expansions(forms).find(written)) == said
+
+
+def test_no_pause_follows_an_apostrophe():
+    # eSpeak NG rests behind it
+    read = Speaker.of("turkish").transcribe(["Ankara'da kar var.", "Saat 10'da gel."])
+    assert not any("_" in one.phonemes for one in read)
 
 
 @pytest.mark.parametrize(

@@ -11,9 +11,10 @@ of other scripts are 0 to 9.
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from fnmatch import fnmatchcase
 from functools import cache, cached_property, lru_cache
-from itertools import chain, pairwise
+from itertools import chain, pairwise, product, starmap
 
 from lipsync_lang.text.phonology.g2p.contexts import SEEN_LETTERS, Surroundings, compile_context
 from lipsync_lang.text.phonology.g2p.number_words import DIGITS, number_words, roman
@@ -22,6 +23,9 @@ from lipsync_lang.text.phonology.g2p.tokens import Replacement, counts, respelle
 
 MAX_SCORE = 999
 """Maximum number of points in a score."""
+
+HUNDRED = 100
+"""The whole of shares in percent."""
 
 SEEN_KEY_CHARS = 16
 """Number of characters examined on each side of an abbreviation."""
@@ -139,8 +143,9 @@ class AbbreviationKeys:
         """Yield patterns of the places at which a key may begin."""
         for key in self._expansions:
             if key[0] == "…":
-                end = r"(?!\d)" if key[-1] == "…" else r"(?!\w|[.,]\d)"
-                yield rf"(?<=[^\W\d_]){re.escape(key.strip('…'))}{end}"
+                # within `Ankara'da` and `10'da`
+                around = r"(?<=\w){}(?!\d)" if key[-1] == "…" else r"(?<=[^\W\d_]){}(?!\w|[.,]\d)"
+                yield around.format(re.escape(key.strip("…")))
         yield r"(?<!\d)(?<!\d[.,/:-])\d"
         yield _SIGNED_DIGIT
         firsts = dict.fromkeys(first for first, _ in self._beginnings)
@@ -253,6 +258,8 @@ class AbbreviationKeys:
 
     def _read(self, found: re.Match[str], read: str) -> tuple[int, str]:
         """Return the end and the words of a match; a unit after `3-5` is one of the last number."""
+        if found.re.pattern == _SHARES and _make_a_whole(found.groups()):
+            read = self._expansions.get("50/50", read).replace("50", "{1}", 1).replace("50", "{2}")
         if found.re.pattern in _RANGE_PATTERNS:
             start, end = found.groups()
             # a range rises, but for `1914-18`, and a score such as `3-1` may fall
@@ -425,6 +432,11 @@ def _fits(found: re.Match[str], read: str, particle: re.Pattern[str] | None, end
     return any(map(str.isalnum, after[:3])) or not key[0].isupper()
 
 
+def _make_a_whole(shares: Collection[str]) -> bool:
+    """Return True for shares of 100, such as `60/40`."""
+    return all(map(str.isdigit, shares)) and sum(map(int, shares)) == HUNDRED
+
+
 def _seen_after(found: re.Match[str]) -> str:
     """Return the start of the text after a match; the whole rest would be copied for each match."""
     return found.string[found.end() : found.end() + SEEN_KEY_CHARS]
@@ -448,6 +460,9 @@ def _expression(key: str) -> re.Pattern[str]:
         else re.escape(part)
         for part, after in pairwise([*re.findall("#+|[^#]", key), ""])
     ]
+    if "#.# " in key:
+        # `1.000 km` are a thousand
+        parts = [r"\.(?!\d{3}(?!\d))" if part == r"\." else part for part in parts]
     if key[0].isalpha():
         parts[0] = f"[{_either(key)}]"
     elif key[:1] == "#" != key[1:2]:
@@ -464,6 +479,7 @@ def _expression(key: str) -> re.Pattern[str]:
 _NUMBER_RANGE = re.compile(r"\d+[-–]\d+")
 _RANGE_KEYS = ("#-#", "# - #", "#–#", "#—#", "#〜#")
 _RANGE_PATTERNS = frozenset(_expression(key).pattern for key in _RANGE_KEYS)
+_SHARES = _expression("#/#").pattern
 _OPEN_KEYS = (*_RANGE_KEYS, "# x #", "# × #", "≈ #", "± #", "= #", "-#")
 _OPEN_PATTERNS = frozenset(_expression(key).pattern for key in _OPEN_KEYS)
 """Keys whose last number may have a unit behind it."""
@@ -480,7 +496,7 @@ _AFTER_OTHER_NAME = re.compile(r"(?<!\w)[Ά-ΩЀ-Я][ά-ώа-џґ]+ (?P<numeral>
 _BEFORE_WORD = re.compile(
     r"(?<!\w)(?P<word>\w+ |)(?P<shape>(?P<numeral>[IVX]{2,7})(?P<dot>\.?))(?= [^\W\d_]{2})"
 )
-_NEXT_WORD = re.compile(r"\s+([a-z]+)")
+_NEXT_WORD = re.compile(r"\s+([a-z]\w*)")
 _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
 _CAPITALS = re.compile(
     rf"(?<![{_LATIN_LETTERS}])(?![A-Z]+([A-Z])\1)[A-Z]{{1,5}}(?![{_LATIN_LETTERS}'’])"
@@ -562,9 +578,9 @@ class Expansions:
                 next_word = _NEXT_WORD.match(text, one.end("numeral")) if numeral in words else None
                 first = "^" * (not before.rstrip(' "“«([')[-1:].strip(".!?…:"))
                 said = {next_word[1], first + next_word[1]} if next_word else set()
-                word = said and said.isdisjoint(words[numeral] or ())
+                after_all = any(starmap(fnmatchcase, product(said, words.get(numeral) or ())))
                 other = one[0][0].islower() if bare else is_spaced(before[-1:]) or is_spaced(after)
-                if number and not (word or like or other):
+                if number and not ((said and not after_all) or like or other):
                     yield Replacement(one.start("numeral"), one.end(), read)
 
     def _before_word(self, text: str) -> Iterator[Replacement]:
