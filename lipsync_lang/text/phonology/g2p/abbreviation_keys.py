@@ -11,7 +11,7 @@ of other scripts are 0 to 9.
 """
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from fnmatch import fnmatchcase
 from functools import cache, cached_property, lru_cache
 from itertools import chain, pairwise, product, starmap
@@ -23,9 +23,6 @@ from lipsync_lang.text.phonology.g2p.tokens import Replacement, counts, respelle
 
 MAX_SCORE = 999
 """Maximum number of points in a score."""
-
-HUNDRED = 100
-"""The whole of shares in percent."""
 
 SEEN_KEY_CHARS = 16
 """Number of characters examined on each side of an abbreviation."""
@@ -51,7 +48,6 @@ _RANGE_SIGN = re.compile(
 """A sign between two numbers that is neither a minus nor a hyphen, whatever else it is.
 
 Keys with the sign itself precede those with `〜`."""
-_RANGE_KEY = "#〜#"
 _ABOUT = re.compile("[~∼～](?= ?[0-9])")
 _NUMBER_RUN = re.compile("-?[\\d., \u00a0\u202f]{1,40}\\D?")
 """A number with the sign behind it."""
@@ -70,6 +66,7 @@ _LISTED_NUMBER = re.compile(r"\d+\.?")
 _LISTED_RANGE = re.compile(
     r"(?<![A-Za-z\d.,:/–-])(\d{1,3}\.?)[-–〜](?=(\d{1,3})(?![\d–-]|[.,:/]\d))"
 )
+_SHARES = re.compile(r"(?<!\d)(\d+)/(\d+)$")
 _OTHER_DIGIT = re.compile(r"(?![0-9])\d")
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)*")
 _NUMBER_PATTERN = r"(\d{1,3}(?:[ \u00a0\u202f]\d{3})+(?!\d)(?:,\d+)?|\d+(?:[.,]\d+)*)"
@@ -92,15 +89,12 @@ class AbbreviationKeys:
         # engines name these signs where a pack has no words for them
         self._expansions = {"≈": " ", "/": " ", **forms.abbreviations}
         self._numbers = forms.numbers
-        self._rules = {
-            name: words for name, words in forms.numbers.items() if isinstance(words, Mapping)
-        }
+        self._rules = {one: to for one, to in forms.numbers.items() if isinstance(to, Mapping)}
         bare = _NUMBER_PLACE.fullmatch(self._expansions.get("#", ""))
         self._bare = self._rules.get(bare[2] if bare else "")
         """Rules of every number in words, if the pack has any."""
         self._minus = self._expansions.get("-#", "").partition("{")[0]
-        self._decimal = forms.decimal
-        self._thousands = forms.thousands
+        self._decimal, self._thousands = forms.decimal, forms.thousands
         # `van` of a name, and `ст.` of `тов. ст. л-т Серов`
         ranks = (rf"{re.escape(key)}(?!\w)" for key, to in forms.abbreviations.items() if "|" in to)
         particles = sorted((*map(re.escape, forms.particles), *ranks), key=len, reverse=True)
@@ -135,7 +129,7 @@ class AbbreviationKeys:
             for first in dict.fromkeys(_FIRST_CHARS.get(key[0]) or _either(key)):
                 keys = self._beginnings.setdefault((first, second), {})
                 keys.setdefault((literal, follows.strip("~*")), []).append((rank, key))
-        read = _BEFORE_LAST.fullmatch(self._expansions.get(_RANGE_KEY, ""))
+        read = _BEFORE_LAST.fullmatch(self._expansions.get("#〜#", ""))
         self._between = self._ends["〜"] = read[2] if read else ""
         self._starts = re.compile("|".join(self._start_patterns()))
 
@@ -258,8 +252,11 @@ class AbbreviationKeys:
 
     def _read(self, found: re.Match[str], read: str) -> tuple[int, str]:
         """Return the end and the words of a match; a unit after `3-5` is one of the last number."""
-        if found.re.pattern == _SHARES and _make_a_whole(found.groups()):
-            read = self._expansions.get("50/50", read).replace("50", "{1}", 1).replace("50", "{2}")
+        # `60/40` as `50/50`, also in `al 60/40`, where a day and a month would have a key
+        shares, halves = _SHARES.search(found[0]), self._expansions.get("50/50", "")
+        if shares and "50" in halves and sum(map(int, shares.groups())) == 100:  # noqa: PLR2004 percent
+            said = halves.replace("50", shares[1], 1).replace("50", shares[2])
+            read = found[0][: shares.start()] + self.respelled(said)
         if found.re.pattern in _RANGE_PATTERNS:
             start, end = found.groups()
             # a range rises, but for `1914-18`, and a score such as `3-1` may fall
@@ -352,7 +349,7 @@ class AbbreviationKeys:
 
         def number(place: re.Match[str]) -> str:
             written, words = found[int(place[1])], self._numbers.get(place[2] or "", ())
-            if _NUMBER_RANGE.fullmatch(written) and {*words} != DIGITS:
+            if re.fullmatch(r"\d+[-–]\d+", written) and {*words} != DIGITS:
                 return self.respelled(written)
             written = written.lstrip("-") if self._minus else written
             if self._bare and not words and written != found[0] and written[-1].isdigit():
@@ -432,11 +429,6 @@ def _fits(found: re.Match[str], read: str, particle: re.Pattern[str] | None, end
     return any(map(str.isalnum, after[:3])) or not key[0].isupper()
 
 
-def _make_a_whole(shares: Collection[str]) -> bool:
-    """Return True for shares of 100, such as `60/40`."""
-    return all(map(str.isdigit, shares)) and sum(map(int, shares)) == HUNDRED
-
-
 def _seen_after(found: re.Match[str]) -> str:
     """Return the start of the text after a match; the whole rest would be copied for each match."""
     return found.string[found.end() : found.end() + SEEN_KEY_CHARS]
@@ -476,10 +468,8 @@ def _expression(key: str) -> re.Pattern[str]:
     return re.compile("".join(parts))
 
 
-_NUMBER_RANGE = re.compile(r"\d+[-–]\d+")
 _RANGE_KEYS = ("#-#", "# - #", "#–#", "#—#", "#〜#")
 _RANGE_PATTERNS = frozenset(_expression(key).pattern for key in _RANGE_KEYS)
-_SHARES = _expression("#/#").pattern
 _OPEN_KEYS = (*_RANGE_KEYS, "# x #", "# × #", "≈ #", "± #", "= #", "-#")
 _OPEN_PATTERNS = frozenset(_expression(key).pattern for key in _OPEN_KEYS)
 """Keys whose last number may have a unit behind it."""
@@ -604,7 +594,7 @@ class Expansions:
         found: list[tuple[re.Pattern[str], tuple[str, ...]]] = []
         for words, ordinals in ((forms.named, forms.ordinals), (forms.counted, ())):
             if known := "|".join(map(re.escape, sorted(words, key=len, reverse=True))):
-                listed = known.replace(r"\*", r"[^\W\d_]+[ \u00a0]")
-                before = rf"(?<![A-Za-z])(?i:{listed})[ \u00a0]*"
-                found.append((re.compile(f"{before}{numeral}{_DOT}"), ordinals))
+                known = known.replace(r"\*", r"[^\W\d_]+[ \u00a0]")
+                known = rf"(?<![A-Za-z])(?i:{known})[ \u00a0]*{numeral}{_DOT}"
+                found.append((re.compile(known), ordinals))
         return [*found, (_AFTER_OTHER_NAME, forms.ordinals), (_AFTER_NAME, ())] if found else []
