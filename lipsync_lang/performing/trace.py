@@ -4,25 +4,22 @@ A performance records no trace. The explanation recomputes the stages for the fr
 """
 
 import json
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.explanation import BigramAt, Explanation, PoseAt, StageAt, StyleAt
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.performing.played_pair import PlayedPair
 from lipsync_lang.pipeline.levels import shares
 from lipsync_lang.pipeline.perform import Performance
 from lipsync_lang.pipeline.warp import locate
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from lipsync_lang.animations.animation import Animation
-    from lipsync_lang.performing.played_pair import PlayedPair
-    from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.schedule import Schedule
 
 VISIBLE = 5e-4
 """Minimum change of weight for an explanation."""
@@ -34,7 +31,7 @@ STAGE_WORDS: dict[str, dict[str, str]] = json.loads(
 
 
 def explain(
-    pair: "PlayedPair", settings: "Mapping[str, Any]", animation: "Animation", seconds: float
+    pair: PlayedPair, settings: Mapping[str, Any], animation: Animation, seconds: float
 ) -> Explanation:
     """Explain the frame nearest to a time in seconds, given the options of its `perform`.
 
@@ -61,7 +58,7 @@ def explain(
 class _TracedFrame:
     """A frame of a performance, with its place in the line, its bigrams and its styles."""
 
-    def __init__(self, performer: "PlayedPair", performance: Performance, frame: int) -> None:
+    def __init__(self, performer: PlayedPair, performance: Performance, frame: int) -> None:
         self.performer, self.performance, self.frame = performer, performance, frame
         self.compiled, self.track = performer.compiled, performance.track
         self.now = performance.frames.times(frame, frame + 1)
@@ -81,7 +78,7 @@ class _TracedFrame:
             self.styles = {names[blend.style]: part for blend, part in both if part > 0}
         self.covering = self._bigrams()
 
-    def explained(self, schedule: "Schedule") -> Explanation:
+    def explained(self, schedule: Schedule) -> Explanation:
         """Explain the poses of speech."""
         at, track = int(self.place.phoneme[0]), self.track
         index = int(track.source[at])
@@ -182,7 +179,7 @@ class _TracedFrame:
         return STAGE_WORDS.get(stage, {}).get("effect", "")
 
 
-def held_reason(performer: "PlayedPair", performance: Performance, pose: int, frame: int) -> str:
+def held_reason(performer: PlayedPair, performance: Performance, pose: int, frame: int) -> str:
     """Describe the contacts that limit a pose at a frame: its own, and those that it outranks."""
     names = performer.compiled.contact_names
     reasons = []
@@ -199,7 +196,7 @@ def held_reason(performer: "PlayedPair", performance: Performance, pose: int, fr
 
 
 def constraint_reason(
-    performer: "PlayedPair", performance: Performance, pose: int, weights: Floats
+    performer: PlayedPair, performance: Performance, pose: int, weights: Floats
 ) -> str:
     """Describe the tightest constraint of a pose among (P,) constrained weights."""
     tables, poses = performance.tables, performer.poses

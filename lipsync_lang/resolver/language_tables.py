@@ -4,10 +4,13 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import chain, islice
 from string import ascii_uppercase
-from typing import TYPE_CHECKING
 from unicodedata import normalize
 
+from lipsync_lang.packs import models
 from lipsync_lang.packs.finding import IPA, beside, model_beside
+from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.models.text_models import LanguageText
+from lipsync_lang.packs.pack import Pack
 from lipsync_lang.text.phonology.g2p.drawn_out import spelled_out
 from lipsync_lang.text.phonology.g2p.g2p_engines import TONED, Correction, Rule, Settings
 from lipsync_lang.text.phonology.g2p.own_words import by_spelling, ipa_labels, stands_alone
@@ -16,17 +19,11 @@ from lipsync_lang.text.phonology.g2p.tokens import plain
 from lipsync_lang.text.phonology.labels import Notation, Value, looser, normalise, ready
 from lipsync_lang.text.phonology.manner import Hearing, Manner
 
-if TYPE_CHECKING:
-    from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Library
-    from lipsync_lang.packs.models.text_models import LanguageText
-    from lipsync_lang.packs.pack import Pack
-
 
 def manner_of(
-    language: "Pack[models.Language]",
-    common: "models.Phonemes",
-    character: "models.Character | None" = None,
+    language: Pack[models.Language],
+    common: models.Phonemes,
+    character: models.Character | None = None,
 ) -> Manner:
     """Return the settings for reading and speaking text; a character may add its own words."""
     model, g2p = language.model, language.model.g2p
@@ -58,7 +55,7 @@ def manner_of(
     )
 
 
-def _hearing(language: "Pack[models.Language]") -> Hearing:
+def _hearing(language: Pack[models.Language]) -> Hearing:
     model, stated = language.model, language.model.audio
     if stated is None:
         return Hearing(code=model.tag)
@@ -72,12 +69,12 @@ def _hearing(language: "Pack[models.Language]") -> Hearing:
     )
 
 
-def _beside(language: "Pack[models.Language]", field: str, engine: str) -> str:
+def _beside(language: Pack[models.Language], field: str, engine: str) -> str:
     """Return `NAME:FOLDER` with a folder that is relative to the pack that names it."""
     return model_beside(language.where(("audio", field)).file, engine)
 
 
-def _settings(language: "Pack[models.Language]", common: "models.Phonemes") -> Settings:
+def _settings(language: Pack[models.Language], common: models.Phonemes) -> Settings:
     model, g2p = language.model, language.model.g2p
     if g2p is None:
         return Settings(model.name)
@@ -112,7 +109,7 @@ def _settings(language: "Pack[models.Language]", common: "models.Phonemes") -> S
     )
 
 
-def _foreign(model: "models.Language", common: "models.Phonemes") -> Iterator[Rule]:
+def _foreign(model: models.Language, common: models.Phonemes) -> Iterator[Rule]:
     """Yield the rules for the sounds of foreign words: those of the pack, or the nearest labels."""
     if model.g2p is None or common.text is None:
         return
@@ -125,7 +122,7 @@ def _foreign(model: "models.Language", common: "models.Phonemes") -> Iterator[Ru
             yield Rule(sound, nearest((sound,)))
 
 
-def notations_of(library: "Library", language: "Pack[models.Language]") -> dict[str, Notation]:
+def notations_of(library: Library, language: Pack[models.Language]) -> dict[str, Notation]:
     """Return the notations of a language and of mouth shapes, indexed for label lookup."""
     from lipsync_lang.resolver.nearest_phonemes import among, spelling
 
@@ -138,7 +135,7 @@ def notations_of(library: "Library", language: "Pack[models.Language]") -> dict[
     return ready(tables, silences, silence, IPA, spelling(library), near, digits)
 
 
-def visemes_of(common: "models.Phonemes") -> dict[str, dict[str, Value]]:
+def visemes_of(common: models.Phonemes) -> dict[str, dict[str, Value]]:
     """Return the notations of mouth shapes as tables."""
     return {
         name: {label: sounds.value for label, sounds in notation.labels.items()}
@@ -146,7 +143,7 @@ def visemes_of(common: "models.Phonemes") -> dict[str, dict[str, Value]]:
     }
 
 
-def tables_of(model: "models.Language") -> dict[str, dict[str, Value]]:
+def tables_of(model: models.Language) -> dict[str, dict[str, Value]]:
     """Return the notations of a language as tables; an automatic language needs none for IPA."""
     tables = {
         name: {label: sounds.value for label, sounds in table.items()}
@@ -157,7 +154,7 @@ def tables_of(model: "models.Language") -> dict[str, dict[str, Value]]:
     return tables
 
 
-def forms_of(language: "models.Language", common: "models.Phonemes", notation: str) -> SpokenForms:
+def forms_of(language: models.Language, common: models.Phonemes, notation: str) -> SpokenForms:
     """Return the written forms of a language, whose engine writes a notation.
 
     Shared interjections go to the nearest labels of the language, if its engine writes IPA.
@@ -202,7 +199,7 @@ def forms_of(language: "models.Language", common: "models.Phonemes", notation: s
     )
 
 
-def abbreviations_of(text: "LanguageText", vowels: str) -> dict[str, str]:
+def abbreviations_of(text: LanguageText, vowels: str) -> dict[str, str]:
     """Return the abbreviations of a language with its ranks, which are titles."""
     said = dict(text.abbreviations)
     for rank, words in text.ranks.items():
@@ -252,7 +249,7 @@ def _listed(
 
 
 def _own_words(
-    language: "models.Language", labels: Collection[str]
+    language: models.Language, labels: Collection[str]
 ) -> tuple[dict[str, OwnWord], dict[str, str]]:
     """Return the words that a pack reads its own way, and respelled ones without spaces around."""
     words: dict[str, OwnWord] = {}

@@ -5,20 +5,18 @@ The cache keeps the rig beside the tables.
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from lipsync_lang.base.errors import ModelError
+from lipsync_lang.faces.rigs.face_on_model import FaceOnModel
+from lipsync_lang.faces.rigs.recognise import Match
+from lipsync_lang.packs import models
 from lipsync_lang.packs.checking.rig_checks import check_rig
 from lipsync_lang.packs.finding import beside
+from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.rig_models import plain_channels
-
-if TYPE_CHECKING:
-    from lipsync_lang.faces.rigs.face_on_model import FaceOnModel
-    from lipsync_lang.faces.rigs.recognise import Match
-    from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Library
-    from lipsync_lang.packs.pack import Pack
-    from lipsync_lang.resolver.compiled import CompiledPair
+from lipsync_lang.packs.pack import Pack
+from lipsync_lang.resolver.compiled import CompiledPair
 
 
 class OtherModel(NamedTuple):
@@ -28,7 +26,7 @@ class OtherModel(NamedTuple):
     rig: str | None
 
 
-def plain_rig(library: "Library", rig: str, poseset: "Pack[models.PoseSet]") -> dict[str, Any]:
+def plain_rig(library: Library, rig: str, poseset: Pack[models.PoseSet]) -> dict[str, Any]:
     """Return a rig of a pose set as plain data; raise `PackFaults` as `load_rig` does."""
     model = load_rig(library, rig, poseset.model).model
     to = library.poseset(model.to).model if model.to is not None else None
@@ -40,7 +38,7 @@ def plain_rig(library: "Library", rig: str, poseset: "Pack[models.PoseSet]") -> 
     }
 
 
-def load_rig(library: "Library", name: str, poseset: "models.PoseSet") -> "Pack[models.RigPack]":
+def load_rig(library: Library, name: str, poseset: models.PoseSet) -> Pack[models.RigPack]:
     """Load a rig; raise `PackFaults` if it is unsound, or does not fit its pose set."""
     path = next(path for path in library.rigs_of(poseset.name) if path.stem == name)
     rig: Pack[Any] = library.load(path, "rig", name)
@@ -52,15 +50,15 @@ def load_rig(library: "Library", name: str, poseset: "models.PoseSet") -> "Pack[
     return rig
 
 
-def model_file(*packs: "Pack[Any]") -> str | None:
+def model_file(*packs: Pack[Any]) -> str | None:
     """Return the model file that the first of some packs names: of a character, or its pose set."""
     named = (beside(pack.path, pack.model.model) for pack in packs if pack.model.model is not None)
     return next((str(path.resolve()) for path in named if path is not None), None)
 
 
 def face_on_model(
-    library: "Library", character: "Pack[Any]", poseset: "Pack[Any]", on: OtherModel | None = None
-) -> "FaceOnModel | None":
+    library: Library, character: Pack[Any], poseset: Pack[Any], on: OtherModel | None = None
+) -> FaceOnModel | None:
     """Put a pose set on the model of a character; None without a readable one.
 
     Raises `ModelError` if the model in its place is unreadable.
@@ -83,7 +81,7 @@ def face_on_model(
         return None
 
 
-def best_match(library: "Library", path: Path) -> "tuple[Match, OtherModel]":
+def best_match(library: Library, path: Path) -> "tuple[Match, OtherModel]":
     """Return the pose set, with a rig or alone, that shows most of its poses on a model.
 
     Raise `ModelError` for a model that is unreadable, or whose shapes no pose set knows.
@@ -106,9 +104,7 @@ def best_match(library: "Library", path: Path) -> "tuple[Match, OtherModel]":
     return found, OtherModel(path.absolute(), found.rig)
 
 
-def on_model(
-    library: "Library", compiled: "CompiledPair", match: "Match", path: Path
-) -> "CompiledPair":
+def on_model(library: Library, compiled: CompiledPair, match: Match, path: Path) -> CompiledPair:
     """Put the compiled pair of a pose set on a model, through the rig of the match."""
     rig = None
     if match.rig is not None:

@@ -12,16 +12,13 @@ Poses of contacts, and those that move no measure, such as the tongue's, keep th
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints
+from lipsync_lang.faces.rigs.face_on_model import FaceOnModel
 from lipsync_lang.packs import models
 from lipsync_lang.packs.models import PhonemeTarget
-
-if TYPE_CHECKING:
-    from lipsync_lang.faces.rigs.face_on_model import FaceOnModel
 
 FIRMNESS = np.array([1.3, 2.0, 0.5, 0.8])
 """Weight of an error of each measure that a sound states."""
@@ -80,7 +77,7 @@ class SolvedFace:
 
 
 def solved_face(
-    shown: "FaceOnModel",
+    shown: FaceOnModel,
     mouths: Mapping[str, Sequence[models.SoundMouth]],
     likes: Mapping[str, str] | None = None,
 ) -> SolvedFace | None:

@@ -5,14 +5,12 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from lipsync_lang.base.errors import LipsyncError, OutputError, PackError
 from lipsync_lang.base.files.writing import cannot_write
+from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.value_text import INDENT, as_scalar, block_lines
-
-if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Library
 
 CurvePoints = list[list[float]]
 Interpolation = Literal["bspline", "linear"]
@@ -50,7 +48,7 @@ def bigrams_yaml(made: BankBigrams) -> str:
     return "\n".join(lines) + "\n"
 
 
-def write_drafts(library: "Library", drafts: BankBigrams, path: Path | None = None) -> str:
+def write_drafts(library: Library, drafts: BankBigrams, path: Path | None = None) -> str:
     """Add drafts to a bank or a character file; bigrams already in it stay unchanged.
 
     A file that the library has loaded is not read again. By default, it is `common.yaml` of the
@@ -98,7 +96,7 @@ def make_room(path: Path) -> None:
         raise cannot_write(path.parent, error) from None
 
 
-def add_bigrams(library: "Library", path: Path, made: BankBigrams) -> list[str]:
+def add_bigrams(library: Library, path: Path, made: BankBigrams) -> list[str]:
     """Add bigrams to a bank, made if missing, or to a character; return the new ones."""
     from lipsync_lang.base.files import atomic
     from lipsync_lang.packs.splicing import spliced
@@ -123,7 +121,7 @@ def add_bigrams(library: "Library", path: Path, made: BankBigrams) -> list[str]:
     return list(new)
 
 
-def write_bank(library: "Library", path: Path, made: BankBigrams, comment: str) -> list[str]:
+def write_bank(library: Library, path: Path, made: BankBigrams, comment: str) -> list[str]:
     """Write bigrams to a new bank with a comment, or add them to one; return the new ones."""
     from lipsync_lang.base.files import atomic
 

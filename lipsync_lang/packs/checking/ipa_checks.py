@@ -1,22 +1,19 @@
 """Check that the words, features, letters and marks used in the IPA pack are defined there."""
 
 from collections.abc import Collection, Iterable, Iterator
-from typing import TYPE_CHECKING
 from unicodedata import normalize
 
+from lipsync_lang.packs.models.ipa_models import Ipa
+from lipsync_lang.packs.models.language_models import Phonemes
+from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.packs.yaml.source import Loc
-
-if TYPE_CHECKING:
-    from lipsync_lang.packs.models.ipa_models import Ipa
-    from lipsync_lang.packs.models.language_models import Phonemes
-    from lipsync_lang.packs.pack import Pack
 
 CARRIER = "\u25cc"
 """The dotted circle, which carries a combining mark in text."""
 
 
-def check_ipa(ipa: "Pack[Ipa]", common: "Phonemes") -> Iterator[Fault]:
+def check_ipa(ipa: Pack[Ipa], common: Phonemes) -> Iterator[Fault]:
     """Yield a fault for each undefined name that the IPA pack uses."""
     model = ipa.model
     for term, features in model.terms.items():
@@ -40,7 +37,7 @@ def check_ipa(ipa: "Pack[Ipa]", common: "Phonemes") -> Iterator[Fault]:
     yield from _phonemes(ipa, common)
 
 
-def _phonemes(ipa: "Pack[Ipa]", common: "Phonemes") -> Iterator[Fault]:
+def _phonemes(ipa: Pack[Ipa], common: Phonemes) -> Iterator[Fault]:
     """Check that every common phoneme and shade exists."""
     model, known = ipa.model, (*common.phonemes, *common.shades)
     named: list[tuple[Loc, str, Collection[str]]] = [
@@ -56,7 +53,7 @@ def _phonemes(ipa: "Pack[Ipa]", common: "Phonemes") -> Iterator[Fault]:
             yield ipa.unknown(loc, "P202", "phoneme", phoneme, declared, key=loc[-1] == phoneme)
 
 
-def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
+def _letters(ipa: Pack[Ipa]) -> Iterator[Fault]:
     """Check that every letter and mark named by another entry is defined."""
     model = ipa.model
     letters = {_plain(letter) for letter in model.letters}
@@ -90,7 +87,7 @@ def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
     yield from _spelled(ipa, letters | marks)
 
 
-def _spelled(ipa: "Pack[Ipa]", known: Collection[str]) -> Iterator[Fault]:
+def _spelled(ipa: Pack[Ipa], known: Collection[str]) -> Iterator[Fault]:
     """Check that every spelling means known letters and marks."""
     model = ipa.model
     spelled: list[tuple[Loc, str]] = [
@@ -116,13 +113,13 @@ def _spelled(ipa: "Pack[Ipa]", known: Collection[str]) -> Iterator[Fault]:
             yield ipa.fault(loc, "P223", what, "put it under `letters` or `marks`")
 
 
-def _words(ipa: "Pack[Ipa]", loc: Loc, phrase: str) -> Iterator[Fault]:
+def _words(ipa: Pack[Ipa], loc: Loc, phrase: str) -> Iterator[Fault]:
     for word in phrase.split():
         if word not in ipa.model.terms:
             yield ipa.unknown(loc, "P222", "word", word, ipa.model.terms)
 
 
-def _features(ipa: "Pack[Ipa]", loc: Loc, named: Iterable[str]) -> Iterator[Fault]:
+def _features(ipa: Pack[Ipa], loc: Loc, named: Iterable[str]) -> Iterator[Fault]:
     for name in named:
         if name not in ipa.model.features:
             yield ipa.unknown((*loc, name), "P222", "feature", name, ipa.model.features, key=True)

@@ -6,22 +6,18 @@ heard. Times are seconds of the session.
 """
 
 from collections import deque
+from collections.abc import Callable
 from math import inf
 from threading import Condition, Event
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lipsync_lang.base.arrays import Singles
 from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.pipeline.perform import FinalFrames
 from lipsync_lang.production.live.live_frame import LiveFrame
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from lipsync_lang.pipeline.perform import FinalFrames
-    from lipsync_lang.sound.listening.listener import Listener
-    from lipsync_lang.text.lines.line_readers import Remark
+from lipsync_lang.sound.listening.listener import Listener
+from lipsync_lang.text.lines.line_readers import Remark
 
 MAX_QUEUED_SECONDS = 5.0
 """Sound that waits; a source of more waits as well, and so is a recording."""
@@ -69,7 +65,7 @@ class LiveVoice:
     """
 
     def __init__(
-        self, open_listener: "Callable[[int], Listener]", fps: float, tell: "Remark", *,
+        self, open_listener: Callable[[int], Listener], fps: float, tell: Remark, *,
         paced: bool = True,
     ) -> None:  # fmt: skip
         self.open_listener, self.fps, self.tell = open_listener, fps, tell
@@ -236,7 +232,7 @@ class LiveVoice:
         listener, self._listener = self._listener, None
         return [] if listener is None else self._timed(listener, listener.finish())
 
-    def _timed(self, listener: "Listener", final: "FinalFrames") -> list[LiveFrame]:
+    def _timed(self, listener: Listener, final: FinalFrames) -> list[LiveFrame]:
         """Return frames at the times at which they are due."""
         moved = (self._due or 0.0) - self._heard + listener.delay
         return [*map(LiveFrame, (final.times + moved).tolist(), final.weights)]

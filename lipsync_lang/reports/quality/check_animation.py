@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.base.presentation.junit import JunitCase, JunitSuite, junit_text
 from lipsync_lang.base.presentation.text_table import columns
@@ -15,10 +15,6 @@ from lipsync_lang.reports.quality.face_columns import Face
 from lipsync_lang.reports.quality.figures import Figure, Quality, describe
 from lipsync_lang.reports.quality.measured_scene import scene_of
 from lipsync_lang.reports.quality.measures import load_measures
-
-if TYPE_CHECKING:
-    from lipsync_lang.animations.animation import Animation
-
 
 MAX_SUBJECT_CHARS = 60
 """Characters of the text of a line in the subject of its quality."""
@@ -39,7 +35,7 @@ Qualities = Mapping[str, Quality]
 
 
 def check(
-    animation: "Animation",
+    animation: Animation,
     *,
     performer: Performer | None = None,
     limits: Limits | None = None,
@@ -82,7 +78,7 @@ def check(
 
 
 def check_all(
-    animations: "Sequence[Animation]", performer: Performer, limits: Limits | None = None
+    animations: Sequence[Animation], performer: Performer, limits: Limits | None = None
 ) -> list[Quality]:
     """Measure animations of one face at once: `check` takes four times as long for each."""
     measures = load_measures()
@@ -122,7 +118,7 @@ def judged_on(face: Face, model: Path | None) -> str:
     return f"judged on the mesh of {model.name}"
 
 
-def _subject(animation: "Animation", performer: Performer) -> str:
+def _subject(animation: Animation, performer: Performer) -> str:
     words = " ".join(word.text for word in animation.schedule.words)
     said = repr(words) if words else animation.schedule.source
     if len(said) > MAX_SUBJECT_CHARS:

@@ -6,22 +6,20 @@ columns are the same for all its animations, so they are derived once.
 
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.performing.effort import VOWEL
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.pipeline.constrain import Cap
+from lipsync_lang.pipeline.drive import Rig
 from lipsync_lang.pipeline.tables import Tables
-
-if TYPE_CHECKING:
-    from lipsync_lang.animations.animation import Animation
-    from lipsync_lang.performing.performer import Performer
-    from lipsync_lang.pipeline.drive import Rig
-    from lipsync_lang.resolver.compiled import CompiledPair
+from lipsync_lang.resolver.compiled import CompiledPair
 
 FLOOR_SHARE = 0.9
 """Minimum share of a floor for a visible contact."""
@@ -163,7 +161,7 @@ class Face:
         return low.astype(np.intp), high.astype(np.intp), threshold
 
 
-def face_of(animation: "Animation", performer: "Performer") -> Face:
+def face_of(animation: Animation, performer: Performer) -> Face:
     """Return the face of an animation: a performer's poses, or its rig's channels.
 
     Columns of postures, expressions and gestures come after these, and are no part of the face.
@@ -190,7 +188,7 @@ _FACES: "WeakKeyDictionary[Performer, dict[tuple[str, ...], Face]]" = WeakKeyDic
 """Cache of faces by their columns, for all animations of a performer."""
 
 
-def _posed(performer: "Performer") -> Face:
+def _posed(performer: Performer) -> Face:
     compiled = performer.compiled
     tables, count = compiled.tables, len(performer.poses)
     touches = [
@@ -219,7 +217,7 @@ def _posed(performer: "Performer") -> Face:
     return Face(performer.poses, tuple(touches), *limits, *judged, vowels, _yields(tables))
 
 
-def _on_mesh(performer: "Performer", names: tuple[str, ...]) -> tuple[SeenMouth | None, Bools]:
+def _on_mesh(performer: Performer, names: tuple[str, ...]) -> tuple[SeenMouth | None, Bools]:
     """Return the mouth on the model, and True for poses, or channels, that move it: (C,)."""
     from lipsync_lang.faces.rigs.face_on_model import find, mouth_gains
     from lipsync_lang.faces.rigs.model import known_model
@@ -263,7 +261,7 @@ def _yields(tables: Tables) -> Bools:
     return passed.any(axis=2)
 
 
-def _meant(compiled: "CompiledPair") -> dict[str, Bools]:
+def _meant(compiled: CompiledPair) -> dict[str, Bools]:
     named = [{name, compiled.shades.get(name, name)} for name in compiled.phonemes]
     return {
         rule: np.array([bool(names & {*stated["phonemes"]}) for names in named])
@@ -271,7 +269,7 @@ def _meant(compiled: "CompiledPair") -> dict[str, Bools]:
     }
 
 
-def _alone(compiled: "CompiledPair") -> Floats:
+def _alone(compiled: CompiledPair) -> Floats:
     """Return the curves of each phoneme in its own part of silence-phoneme, else 0: (N, S, C)."""
     rows = compiled.tables.pairs[compiled.tables.silence]
     curves = compiled.tables.curves[rows].astype(float)
@@ -279,7 +277,7 @@ def _alone(compiled: "CompiledPair") -> Floats:
     return curves * (at >= compiled.tables.boundary[rows][:, None])[:, :, None]
 
 
-def _vowels(compiled: "CompiledPair", aperture: Floats) -> Floats:
+def _vowels(compiled: CompiledPair, aperture: Floats) -> Floats:
     """Return the least aperture of each vowel, (N,), from that of phonemes alone, (N, S).
 
     A vowel that the face opens little, as for rounded lips, has none. If the face opens for no
@@ -292,14 +290,14 @@ def _vowels(compiled: "CompiledPair", aperture: Floats) -> Floats:
     return np.where(vowel & opens, least, np.nan)
 
 
-def _are_vowels(compiled: "CompiledPair") -> Bools:
+def _are_vowels(compiled: CompiledPair) -> Bools:
     """Return True for phonemes that are vowels: (N,)."""
     kinds = compiled.manner["kinds"]
     named = [compiled.shades.get(name, name) for name in compiled.phonemes]
     return np.array([kinds.get(name) == VOWEL for name in named])
 
 
-def _roles(compiled: "CompiledPair", opening: Bools, alone: Floats) -> Roles:
+def _roles(compiled: CompiledPair, opening: Bools, alone: Floats) -> Roles:
     """Derive roles from the bank, by the curves of each phoneme alone."""
     tables = compiled.tables
     start = tables.boundary[tables.pairs[tables.silence]][:, None]
@@ -314,7 +312,7 @@ def _roles(compiled: "CompiledPair", opening: Bools, alone: Floats) -> Roles:
     return Roles(opening, tables.anticipate, opens, begins, blocks)
 
 
-def _rigged(performer: "Performer", rig: "Rig", names: tuple[str, ...]) -> Face:
+def _rigged(performer: Performer, rig: Rig, names: tuple[str, ...]) -> Face:
     """Return the face of a rig's channels; gains transfer the bounds of contacts to channels."""
     compiled = performer.compiled
     span = np.where(rig.span > 0, rig.span, 1.0)
@@ -345,7 +343,7 @@ def _rigged(performer: "Performer", rig: "Rig", names: tuple[str, ...]) -> Face:
     )  # fmt: skip
 
 
-def _bounds(rig: "Rig", floor: Floats, ceiling: Floats) -> tuple[Floats, Floats]:
+def _bounds(rig: Rig, floor: Floats, ceiling: Floats) -> tuple[Floats, Floats]:
     """Return the lower and upper bound of every channel for poses within floors and ceilings."""
     up, down = np.maximum(rig.gains, 0), np.minimum(rig.gains, 0)
     low = np.clip(up @ floor + down @ ceiling, rig.low, rig.high)

@@ -5,22 +5,19 @@ phonemes of L lines follow each other, so that a measure reads all of them at on
 seconds and ascend within a line; its phonemes have silence first and last.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
+from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.arrays import Bools, Floats, Ints
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.performing.performer import PerformedLine, Performer
+from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.reports.quality.face_columns import Face, face_of
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from lipsync_lang.animations.animation import Animation
-    from lipsync_lang.pipeline.motion import Motion
 
 CEILING_TOLERANCE = 0.05
 """Maximum invisible excess over a ceiling, as a share of the column's range."""
@@ -67,7 +64,7 @@ class MeasuredScene:
     labels: tuple[str, ...]
     """(n,) names of the phonemes for messages."""
     silence: int
-    motion: "Motion"
+    motion: Motion
     rules: dict[str, dict[str, Any]]
 
     @cached_property
@@ -224,7 +221,7 @@ class MeasuredScene:
         return self.face.demanding[:, self.ids] & ~self.waived
 
 
-def scene_of(animations: "Sequence[Animation]", performer: Performer) -> MeasuredScene:
+def scene_of(animations: Sequence[Animation], performer: Performer) -> MeasuredScene:
     """Return animations of one face with their phonemes as arrays.
 
     Raises LipsyncError if an animation is of another face, has fewer than two frames, times that do

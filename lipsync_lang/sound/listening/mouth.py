@@ -12,20 +12,17 @@ a pose no faster than another rises, so the speed limit still holds.
 
 from collections.abc import Mapping, Sequence
 from math import ceil
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats
+from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import RESOLUTION, Tables
+from lipsync_lang.resolver.nearest_phonemes import ModelPhones
 from lipsync_lang.schedules.schedule import SILENCE
 from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS
+from lipsync_lang.text.phonology.labels import Notation, Value
 from lipsync_lang.text.phonology.nearest import NearestPhonemes
-
-if TYPE_CHECKING:
-    from lipsync_lang.pipeline.motion import Motion
-    from lipsync_lang.resolver.nearest_phonemes import ModelPhones
-    from lipsync_lang.text.phonology.labels import Notation, Value
 
 CLOSES = 0.65
 """Probability of the phones of a contact that closes it."""
@@ -40,7 +37,7 @@ SOFT_FRAMES = 10
 """Frames before a frame whose targets count in its own, less and less."""
 
 
-def heard_labels(known: "ModelPhones", notation: "Notation") -> dict[str, str]:
+def heard_labels(known: ModelPhones, notation: Notation) -> dict[str, str]:
     """Return for each phone of a model the label of a language that sounds most like it.
 
     Parameters
@@ -57,14 +54,14 @@ def heard_labels(known: "ModelPhones", notation: "Notation") -> dict[str, str]:
     return found
 
 
-def heard_values(known: "ModelPhones", notation: "Notation") -> "dict[str, Value]":
+def heard_values(known: ModelPhones, notation: Notation) -> dict[str, Value]:
     """Return the common phonemes of each phone of a model, as a language has them."""
     labels = heard_labels(known, notation).items()
     return {phone: notation.find(label) or () for phone, label in labels}
 
 
 def state_targets(
-    tables: Tables, values: "Sequence[Value]", numbers: Mapping[str, int]
+    tables: Tables, values: Sequence[Value], numbers: Mapping[str, int]
 ) -> tuple[Floats, list[Bools]]:
     """Return the target of each state of each phone, and the states that demand each contact.
 
@@ -117,7 +114,7 @@ class Mouth:
     """
 
     def __init__(
-        self, tables: Tables, motion: "Motion", targets: Floats, demands: Sequence[Bools]
+        self, tables: Tables, motion: Motion, targets: Floats, demands: Sequence[Bools]
     ) -> None:
         self.tables = tables
         poses = targets.shape[-1]

@@ -13,7 +13,6 @@ T frames, N phones.
 from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise, product
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -45,9 +44,7 @@ from lipsync_lang.sound.speech.hearing.sphinx.folder import Models, find_models
 from lipsync_lang.sound.speech.hearing.sphinx.forced import HeardPhoneme
 from lipsync_lang.sound.speech.hearing.sphinx.scheduling import WINDOW_CENTRE_SECONDS, timed_labels
 from lipsync_lang.sound.speech.sound import SPEECH_RATE, resampled
-
-if TYPE_CHECKING:
-    from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 CHANGE_RISK = 0.3
 """Price of another phone; the mean distance of two phones is 1."""
@@ -69,7 +66,7 @@ NOTHING_REMARK = "nothing was heard: no part of the recording sounds like a voic
 class SoundRecogniser:
     """Recogniser of sounds without words, for a voice in any language."""
 
-    def recognise(self, audio: Audio, speaker: "Speaker", model: str | None = None) -> Schedule:
+    def recognise(self, audio: Audio, speaker: Speaker, model: str | None = None) -> Schedule:
         """Recognise the phonemes of a recording, as `Recogniser` states.
 
         `model` names an acoustic model; None stands for the one that hears every language. A

@@ -18,7 +18,7 @@ import struct
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -44,10 +44,8 @@ from lipsync_lang.sound.speech.hearing.sphinx.line_search import best_heard
 from lipsync_lang.sound.speech.hearing.sphinx.scheduling import line_confidence
 from lipsync_lang.sound.speech.results import raised
 from lipsync_lang.sound.speech.sound import read_audio
-
-if TYPE_CHECKING:
-    from lipsync_lang.sound.speech.speaking.speaker import Speaker
-    from lipsync_lang.sound.speech.speaking.transcripts import Transcript
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.speaking.transcripts import Transcript
 
 LEAST_CONFIDENCES = (0.1, DOUBTFUL)
 """For each alignment of the lines, the least confidence of a line that fits.
@@ -219,7 +217,7 @@ def spoken_files(folder: Path) -> list[SpokenFile]:
     return found
 
 
-def adapt(speaker: "Speaker", lines: Sequence[SpokenFile], models: Models) -> Adaptation:
+def adapt(speaker: Speaker, lines: Sequence[SpokenFile], models: Models) -> Adaptation:
     """Adapt the model of a language to recordings of a voice, or of several.
 
     A line whose text does not fit is left out. With fewer than `MIN_LINES` it is a `SpeechError`.
@@ -249,7 +247,7 @@ def adapt(speaker: "Speaker", lines: Sequence[SpokenFile], models: Models) -> Ad
 
 
 def _frames(
-    speaker: "Speaker", lines: Sequence[SpokenFile], models: Models, turn: int
+    speaker: Speaker, lines: Sequence[SpokenFile], models: Models, turn: int
 ) -> tuple[dict[Path, AlignedFrames], list[str]]:
     """Return the frames of the lines that fit, and the reasons of the other lines."""
     fitting: dict[Path, AlignedFrames] = {}
@@ -265,9 +263,7 @@ def _frames(
     return fitting, left_out
 
 
-def _fitting(
-    reader: WordReader, path: Path, transcript: "Transcript", least: float
-) -> AlignedFrames:
+def _fitting(reader: WordReader, path: Path, transcript: Transcript, least: float) -> AlignedFrames:
     """Return the frames of a line with their states; a text that does not fit is an error.
 
     They are those in which the line is aligned: noise that is taken away there is no part of a

@@ -7,7 +7,6 @@ package selects the most likely variant and its times.
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property, partial
 from itertools import repeat
-from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import SpeechError
 from lipsync_lang.packs.finding import IPA
@@ -33,15 +32,12 @@ from lipsync_lang.sound.speech.hearing.sphinx.scheduling import (
 from lipsync_lang.sound.speech.results import WrongTextError, batches, raised, tried
 from lipsync_lang.sound.speech.sound import SPEECH_RATE
 from lipsync_lang.sound.speech.speaking.joining import stress_read
-from lipsync_lang.sound.speech.speaking.transcripts import SureText
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.speaking.transcripts import SureText, Transcript
 from lipsync_lang.text.phonology.emphasis import touched
+from lipsync_lang.text.phonology.g2p.g2p_engines import SpokenWord
 from lipsync_lang.text.phonology.g2p.tokens import plain
 from lipsync_lang.text.phonology.labels import Notation
-
-if TYPE_CHECKING:
-    from lipsync_lang.sound.speech.speaking.speaker import Speaker
-    from lipsync_lang.sound.speech.speaking.transcripts import Transcript
-    from lipsync_lang.text.phonology.g2p.g2p_engines import SpokenWord
 
 MAX_HEARD_FRAMES = 15 * SPEECH_RATE // HOP_SAMPLES
 """Length of the part of a recording that is recognised to say what was heard."""
@@ -61,7 +57,7 @@ class PocketsphinxAligner(BatchAligner):
     """
 
     def align_many(
-        self, recordings: UnreadRecordings, speaker: "Speaker", model: str | None = None
+        self, recordings: UnreadRecordings, speaker: Speaker, model: str | None = None
     ) -> Iterator[Schedule | SpeechError]:
         """Align as `align` does, with many texts read at once."""
         try:
@@ -81,7 +77,7 @@ class PocketsphinxAligner(BatchAligner):
     def _aligned(
         self,
         reader: "WordReader",
-        one: "tuple[Callable[[], Audio], str, Transcript | SpeechError]",
+        one: tuple[Callable[[], Audio], str, Transcript | SpeechError],
     ) -> Schedule:
         """Align a text that is read, or raise the error of its reading."""
         transcript = raised(one[2])
@@ -158,7 +154,7 @@ class WordReader:
     """
 
     def __init__(
-        self, models: Models, speaker: "Speaker", transcripts: "Iterable[Transcript]" = ()
+        self, models: Models, speaker: Speaker, transcripts: Iterable[Transcript] = ()
     ) -> None:
         self.models = models
         self.speaker = speaker
@@ -181,7 +177,7 @@ class WordReader:
         parts = sorted({part for texts in joined for part in texts})
         self.apart = dict(zip(parts, speaker.transcripts(parts), strict=True)) if parts else {}
 
-    def sayings(self, words: "Sequence[SpokenWord]") -> list[Saying]:
+    def sayings(self, words: Sequence[SpokenWord]) -> list[Saying]:
         """Return words with their pronunciation variants, split where the G2P joined them."""
         apart: list[SpokenWord] = []
         for said in words:
@@ -197,7 +193,7 @@ class WordReader:
         sayings = map(self.saying, apart, own)
         return [saying for saying in sayings if saying.ways]
 
-    def saying(self, said: "SpokenWord", own: tuple[tuple[int, ...], ...]) -> Saying:
+    def saying(self, said: SpokenWord, own: tuple[tuple[int, ...], ...]) -> Saying:
         """Return a word with its pronunciations.
 
         In the model's own language the dictionary comes first (`own`); elsewhere the G2P alone
@@ -249,6 +245,6 @@ class WordReader:
         return frozenset(self.models.numbers[name] for name in names if name in self.models.numbers)
 
 
-def _is_joined(said: "SpokenWord") -> bool:
+def _is_joined(said: SpokenWord) -> bool:
     """Return True for several words that the G2P reads as one."""
     return bool(said.labels) and len(said.text.split()) > 1

@@ -9,12 +9,12 @@ Frames are `HOP` seconds apart and centred on their time: frame k is at ``k * HO
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lipsync_lang.base.arrays import Bools, Floats, Ints, Singles
 from lipsync_lang.base.errors import SpeechError
+from lipsync_lang.schedules.schedule import Audio
 from lipsync_lang.sound.speech.hearing.sphinx.features import (
     FFT_POINTS,
     PRE_EMPHASIS,
@@ -22,9 +22,6 @@ from lipsync_lang.sound.speech.hearing.sphinx.features import (
     triangles,
 )
 from lipsync_lang.sound.speech.sound import SPEECH_RATE, resampled
-
-if TYPE_CHECKING:
-    from lipsync_lang.schedules.schedule import Audio
 
 HOP = 0.01
 WINDOW_SECONDS = 0.025
@@ -76,7 +73,7 @@ class SpeechSpectrum:
         return features, said.mean(axis=0), said.std(axis=0) + 1e-3
 
 
-def samples_of(audio: "Audio") -> Singles:
+def samples_of(audio: Audio) -> Singles:
     """Convert a sound to `SPEECH_RATE`, zero mean and amplitudes within 1."""
     sound = resampled(audio, SPEECH_RATE).samples.astype(np.float32)
     sound -= sound.mean(dtype=np.float64)

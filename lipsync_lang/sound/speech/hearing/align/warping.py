@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import tee
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,9 +36,7 @@ from lipsync_lang.sound.speech.hearing.align.spectrum import (
 )
 from lipsync_lang.sound.speech.hearing.sphinx.scheduling import logistic
 from lipsync_lang.sound.speech.results import each, exhaust, next_result, raised, tried
-
-if TYPE_CHECKING:
-    from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 LEAST_SECONDS = 0.02
 """Duration below which phonemes count as equally short."""
@@ -342,7 +340,7 @@ class Warp(BatchAligner):
     """
 
     def align_many(
-        self, recordings: UnreadRecordings, speaker: "Speaker", model: str | None = None
+        self, recordings: UnreadRecordings, speaker: Speaker, model: str | None = None
     ) -> Iterator[Schedule | SpeechError]:
         """Align as `align` does, with all texts spoken by one process."""
         if model is not None:

@@ -5,7 +5,6 @@ Recognised words are force-aligned like a given text.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -29,9 +28,7 @@ from lipsync_lang.sound.speech.hearing.sphinx.features import (
 from lipsync_lang.sound.speech.hearing.sphinx.folder import Models, find_models
 from lipsync_lang.sound.speech.hearing.sphinx.forced import HeardPhoneme, lay
 from lipsync_lang.sound.speech.hearing.sphinx.scheduling import Saying, logistic, timed_labels
-
-if TYPE_CHECKING:
-    from lipsync_lang.sound.speech.speaking.speaker import Speaker
+from lipsync_lang.sound.speech.speaking.speaker import Speaker
 
 CONSTANT, OF_POSTERIOR, OF_FIT = 0.4, 0.53, 0.6
 """Logistic regression of right words on the logarithm of their posterior and on their fit.
@@ -52,7 +49,7 @@ MIN_POSTERIOR = 1e-6
 class PocketsphinxRecogniser:
     """Recogniser for languages with a pocketsphinx model."""
 
-    def recognise(self, audio: Audio, speaker: "Speaker", model: str | None = None) -> Schedule:
+    def recognise(self, audio: Audio, speaker: Speaker, model: str | None = None) -> Schedule:
         """Recognise the speech in a recording, as `Recogniser` states.
 
         `model` names a pocketsphinx model; one of another language is a `SpeechError`.

@@ -5,7 +5,7 @@ found, fitted to right and wrong texts (decision 0026).
 """
 
 from collections.abc import Container, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,11 +15,9 @@ from lipsync_lang.base.grouping import grouped
 from lipsync_lang.schedules.schedule import SILENCE, Word
 from lipsync_lang.sound.speech.hearing.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.sound.speech.hearing.sphinx.features import FRAME_SECONDS, WINDOW_SAMPLES
+from lipsync_lang.sound.speech.hearing.sphinx.folder import Models
 from lipsync_lang.sound.speech.hearing.sphinx.forced import HeardPhoneme
 from lipsync_lang.sound.speech.sound import SPEECH_RATE
-
-if TYPE_CHECKING:
-    from lipsync_lang.sound.speech.hearing.sphinx.folder import Models
 
 WINDOW_CENTRE_SECONDS = (WINDOW_SAMPLES / SPEECH_RATE - FRAME_SECONDS) / 2
 """Offset in seconds from a frame's start to the middle of its window."""
@@ -79,7 +77,7 @@ class Saying(NamedTuple):
     spelled: tuple[tuple[str, int], ...] = ()
 
 
-def confidence(models: "Models", heard: Sequence[HeardPhoneme]) -> float:
+def confidence(models: Models, heard: Sequence[HeardPhoneme]) -> float:
     """Return the share of word phonemes with a good fit and more than minimum duration."""
     said = [one for one in heard if one.phone not in models.quiet]
     return sum(map(_borne_out, said)) / len(said) if said else 0.0
@@ -98,7 +96,7 @@ class TimedLabels(NamedTuple):
 
 
 def timed_labels(
-    models: "Models",
+    models: Models,
     heard: Sequence[HeardPhoneme],
     sayings: Sequence[Saying],
     seconds: float,
