@@ -92,7 +92,10 @@ def option_sets() -> dict[str, list[Any]]:
 
 
 def add_options(made: Options, rows: Iterable[Any]) -> None:
-    """Add rows of `options.json` to a command, or to a group of its options."""
+    """Add rows to a command, or to a group of its options.
+
+    A row is one of `options.json`, or the name of a set there, such as `path`, `pair` or `json`.
+    """
     for row in rows:
         match row:
             case str():
@@ -115,36 +118,6 @@ def _add_row(made: Options, spelled: str, told: str, **how: Any) -> None:
         flag(made, spelled, told, **how)
     else:
         option(made, spelled, told, **how)
-
-
-def add_path(made: Options) -> None:
-    """Add the pack search path; the project supplies the default."""
-    add_options(made, ["path"])
-
-
-def add_json(made: Options) -> None:
-    """Add the option for JSON output."""
-    add_options(made, ["json"])
-
-
-def add_json_form(made: Options) -> None:
-    """Add the option for JSON output to commands with several `--format` values."""
-    add_options(made, ["json form"])
-
-
-def add_language(made: Options) -> None:
-    """Add the option for the language; the project supplies the default."""
-    add_options(made, ["language"])
-
-
-def add_pair(made: Options) -> None:
-    """Add the options for the language and the character, and the pack search path."""
-    add_options(made, ["pair"])
-
-
-def add_values(made: Options) -> None:
-    """Add the values of placeholders; the project supplies the default."""
-    add_options(made, ["values"])
 
 
 def cleaning(options: Namespace) -> "Cleaning":

@@ -7,7 +7,7 @@ from pathlib import Path
 from lipsync_lang.base.errors import count
 from lipsync_lang.commands.output import SOUND, as_json, tell_written
 from lipsync_lang.commands.registry import Add, command, family
-from lipsync_lang.commands.shared_options import add_json, option
+from lipsync_lang.commands.shared_options import add_options, option
 
 family(
     "archive", "show archives of takes, put them together, or make patches of them",
@@ -53,7 +53,7 @@ def _add_apply(action: Add) -> None:
 def _add_show(action: Add) -> None:
     made = action(show, "check an archive, and list its takes", "archive show game.takes")
     made.add_argument("archive", metavar="ARCHIVE", type=Path, help="an archive or a patch")
-    add_json(made)
+    add_options(made, ["json"])
 
 
 def merge(options: Namespace) -> int:

@@ -11,7 +11,7 @@ from lipsync_lang.base.errors import count
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_path, flag, option
+from lipsync_lang.commands.shared_options import add_options, flag, option
 
 if TYPE_CHECKING:
     from lipsync_lang.plugins.capture.accept_fit import Acceptance, ReviewedItem
@@ -50,8 +50,7 @@ def _add_accept(action: Add) -> None:
     flag(made, "--anyway", "accept items although the fit does not generalise to held-out lines")
     flag(made, "--remove", "remove accepted items: those named, or --all; needs no FIT.json")
     flag(made, "--dry-run", "change no file")
-    add_path(made)
-    add_json(made)
+    add_options(made, ["path", "json"])
 
 
 def accept(options: Namespace) -> int:

@@ -15,7 +15,7 @@ from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.base.terminal import progress
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, tell_written, working
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_pair, option
+from lipsync_lang.commands.shared_options import add_options, option
 
 if TYPE_CHECKING:
     from lipsync_lang.plugins.capture.fit_captures import CaptureFit
@@ -39,7 +39,7 @@ def _add_fit(action: Add) -> None:
         help="a capture, a list of captures, or a folder to search; each capture needs timings, or "
         "text and sound, beside it",
     )  # fmt: skip
-    add_pair(made)
+    add_options(made, ["pair"])
     option(
         made, "--readout FILE",
         "the measures that a table of sensors shows [readout.yaml of its folder]", type=Path,
@@ -62,7 +62,7 @@ def _add_fit(action: Add) -> None:
         "write an HTML page of captures beside curves, and of all values found", type=argument_path,
     )  # fmt: skip
     option(made, "--workers N", "number of processes [one per core]", type=int)
-    add_json(made)
+    add_options(made, ["json"])
 
 
 def fit(options: Namespace) -> int:

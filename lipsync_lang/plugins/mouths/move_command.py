@@ -8,7 +8,7 @@ from lipsync_lang import OutputError
 from lipsync_lang.base.files import STANDARD_STREAM, argument_path, atomic
 from lipsync_lang.commands.output import SOUND, as_json, tell_all, tell_written
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_path, option
+from lipsync_lang.commands.shared_options import add_options, option
 
 
 @command("bank move")
@@ -33,8 +33,7 @@ def _add_move(action: Add) -> None:
         made, "-o, --output FILE", "write the new bank; - is standard output [only tell the loss]",
         type=argument_path,
     )  # fmt: skip
-    add_path(made)
-    add_json(made)
+    add_options(made, ["path", "json"])
 
 
 def move(options: Namespace) -> int:

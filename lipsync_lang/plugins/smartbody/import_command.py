@@ -8,7 +8,7 @@ from pathlib import Path
 from lipsync_lang import LipsyncError
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_path, option, repeated
+from lipsync_lang.commands.shared_options import add_options, option, repeated
 
 SHOWN = 8
 """Limits on printed remarks per kind and on bigrams listed by a comparison."""
@@ -46,8 +46,7 @@ def _add_import(action: Add) -> None:
         made, "--map THEIRS=OURS",
         "a phoneme or pose for a name in the file, such as z=s; may be repeated",
     )  # fmt: skip
-    add_path(made)
-    add_json(made)
+    add_options(made, ["path", "json"])
 
 
 def import_(options: Namespace) -> int:

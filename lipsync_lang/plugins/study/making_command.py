@@ -19,15 +19,7 @@ from lipsync_lang.base.terminal import progress
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, working
 from lipsync_lang.commands.performing import motion_settings
 from lipsync_lang.commands.registry import Add, command, family
-from lipsync_lang.commands.shared_options import (
-    add_json,
-    add_language,
-    add_path,
-    add_values,
-    cleaning,
-    option,
-    repeated,
-)
+from lipsync_lang.commands.shared_options import add_options, cleaning, option, repeated
 
 if TYPE_CHECKING:
     from lipsync_lang import Performer
@@ -61,7 +53,7 @@ def _add_new(action: Add) -> None:
         type=Path, required=True,
     )  # fmt: skip
     option(new_, "--workers N", "number of processes [one per core]", type=partial(_number, 1))
-    add_json(new_)
+    add_options(new_, ["json"])
 
 
 @command("study serve")
@@ -94,8 +86,7 @@ def _add_lines(made: argparse.ArgumentParser) -> None:
     repeated(lines, "--text TEXT", "an additional line; may be repeated")
     option(lines, "--column NAME", "the text's column in tables, by name or number")
     option(lines, "--encoding NAME", "the encoding of all files [UTF-8]")
-    add_values(lines)
-    add_language(lines)
+    add_options(lines, ["values", "language"])
     option(
         lines, "--audio FOLDER", "recordings named after the lines, instead of a voice", type=Path
     )
@@ -129,7 +120,7 @@ def _add_clips(made: argparse.ArgumentParser) -> None:
         "change a motion setting of every method, or use a preset: --set motion=paper",
         dest="settings",
     )  # fmt: skip
-    add_path(clips)
+    add_options(clips, ["path"])
 
 
 def _add_page(made: argparse.ArgumentParser) -> None:

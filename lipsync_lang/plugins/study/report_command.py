@@ -11,7 +11,7 @@ from lipsync_lang.base.errors import did_you_mean
 from lipsync_lang.base.files import STANDARD_STREAM, argument_path, write_all
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, tell_written, working
 from lipsync_lang.commands.registry import Add, command
-from lipsync_lang.commands.shared_options import add_json, add_json_form, flag, option
+from lipsync_lang.commands.shared_options import add_options, flag, option
 
 if TYPE_CHECKING:
     from lipsync_lang.plugins.study.study_report import StudyReport
@@ -43,7 +43,7 @@ def _add_report(action: Add) -> None:
     option(
         made, "--format NAME", "output format: text, json, html [by the suffix of -o, else text]"
     )
-    add_json_form(made)
+    add_options(made, ["json form"])
     option(
         made, "--failed-checks N", "number of attention checks that a rater may fail [0]", type=int,
         default=0,
@@ -79,7 +79,7 @@ def _add_power(action: Add) -> None:
         ("--correlation X", 0.1, alike),
     ):
         option(made, spelled, f"{told} [{usual}]", type=float, default=usual)
-    add_json(made)
+    add_options(made, ["json"])
 
 
 def report(options: Namespace) -> int:
