@@ -14,9 +14,8 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.base.arrays import Floats
-from lipsync_lang.base.errors import OutputError
+from lipsync_lang.base.errors import OutputError, shortlist
 from lipsync_lang.faces.rigs.channel import Channel
-from lipsync_lang.faces.rigs.model import some
 from lipsync_lang.faces.rigs.shape_matching import placed
 from lipsync_lang.faces.rigs.transforms import HEAD_ANGLES, HeadTurn, head_angles
 
@@ -48,8 +47,8 @@ class FixedColumns:
         if not found:
             raise OutputError(
                 f"{program} holds ARKit's shapes alone ({', '.join(held.shapes[:2])}, ...), and "
-                f"here are {some([one.name for one in columns])}; perform on a character whose "
-                "poses, or whose rig's channels, have those names"
+                f"here are {shortlist([one.name for one in columns])}; perform on a character "
+                "whose poses, or whose rig's channels, have those names"
             )
         pairs = [(n, held.shapes.index(shape)) for n, own in found.items() for shape in own]
         self._sources, self._targets = np.array(pairs).T
@@ -118,4 +117,4 @@ def shapes_from_zero(animation: Animation, program: str, *, head: bool = False) 
 def _lost(animation: Animation, columns: list[int], program: str) -> Iterator[str]:
     if np.any(animation.weights[:, columns]):  # all are named, so that a build says it once
         lost = [animation.poses[number] for number in columns]
-        yield f"{program} has nothing for {some(lost)}"
+        yield f"{program} has nothing for {shortlist(lost)}"

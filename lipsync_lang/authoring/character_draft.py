@@ -19,8 +19,8 @@ from lipsync_lang.authoring.new_pack import (
     from_template,
     place_model,
 )
-from lipsync_lang.base.errors import LipsyncError, ModelError, PackError, did_you_mean
-from lipsync_lang.faces.rigs.model import Model, read_model, some
+from lipsync_lang.base.errors import LipsyncError, ModelError, PackError, did_you_mean, shortlist
+from lipsync_lang.faces.rigs.model import Model, read_model
 from lipsync_lang.faces.rigs.read_outs import measured
 from lipsync_lang.faces.rigs.recognise import Match, recognise
 from lipsync_lang.faces.rigs.shape_matching import folded
@@ -85,7 +85,7 @@ class CharacterDraft(PackDraft):
             "absent": [loss.pose for loss in match.losses if not (loss.shown or loss.why)],
             "running": _running(self.path.stem, self.model.path),
             "shown": shown,
-            "some": some,
+            "some": shortlist,
             "asking": _asking,
         }
         return from_template("character_told", **values).removesuffix("\n")
@@ -180,7 +180,7 @@ def _chosen(
     near = f"; the nearest is {fitting[0]} ({_asking(fitting[0])})" if fitting else ""
     raise ModelError(
         f"{wanted.model}: {who} its shapes{near}. It has "
-        f"{some(model.shape_names)}. Draft a pose set from them: lipsync-lang posesets new "
+        f"{shortlist(model.shape_names)}. Draft a pose set from them: lipsync-lang posesets new "
         f"{wanted.name} --model {wanted.model}"
     )
 

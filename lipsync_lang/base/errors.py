@@ -9,6 +9,9 @@ from typing import get_args
 MAX_KNOWN = 24
 """Known words in a hint."""
 
+MAX_TOLD = 8
+"""Usual number of names in a message."""
+
 MAX_MESSAGE_CHARS = 4_000
 """A name within a file may be of any length; the middle of a longer message is cut out."""
 
@@ -77,7 +80,7 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     return f"known: {shortlist(names, MAX_KNOWN)}" if names else "there are none"
 
 
-def shortlist(names: Iterable[str], most: int) -> str:
+def shortlist(names: Iterable[str], most: int = MAX_TOLD) -> str:
     """List the first names, and the number of the others."""
     every = list(names)
     more = f" and {len(every) - most} more" if len(every) > most else ""

@@ -35,9 +35,6 @@ if TYPE_CHECKING:
 WHOLE = 100
 """Percent."""
 
-MAX_NAMES = 8
-"""Speakers that a remark names."""
-
 WORD = "{language}"
 """Placeholder of the project's scripts and columns."""
 
@@ -114,7 +111,7 @@ def _counted(options: Namespace) -> "Coverage":
     ]
     found = joined(titled, weights)
     if others := [f"{one.what} ({one.count})" for one in found.corpus.other_speakers]:
-        default, names = " and ".join(options.character), shortlist(others, MAX_NAMES)
+        default, names = " and ".join(options.character), shortlist(others)
         print(f"speakers that `cast` does not name get {default}: {names}", file=sys.stderr)
     return found
 

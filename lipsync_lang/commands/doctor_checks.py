@@ -32,9 +32,6 @@ ALWAYS, PROJECT, OPTIONAL = "always needed", "this project needs", "optional"
 IMPORT_SECONDS = 60.0
 """Time limit for the process of a check."""
 
-SHOWN_NAMES = 5
-"""Maximum number of names of voices or models in a line."""
-
 IMPORT_PLUG_IN = """
 import sys
 from lipsync_lang.base.extensions import faults_of_plug_in
@@ -213,7 +210,7 @@ def _extras() -> Iterator[CheckedPart]:
         # Threads will do, because each waits for a process.
         for extra, part in zip(extras(), pool.map(_extra, extras()), strict=True):
             users = needed.get(extra.name)
-            told = f"{part.told}, for {shortlist(users, SHOWN_NAMES)}" if users else part.told
+            told = f"{part.told}, for {shortlist(users)}" if users else part.told
             yield part._replace(told=told, section=PROJECT) if users else part
     if missing := [extra.name for extra in extras() if extra.name in needed and extra.missing()]:
         yield CheckedPart("to install", MISSING, install_line(*missing), PROJECT)
@@ -291,7 +288,7 @@ def engines() -> Iterator[CheckedPart]:
         if name == ESPEAK:
             continue  # its voices are those of the languages
         try:
-            told, state = shortlist(ENGINES[name].voices(), SHOWN_NAMES), OK
+            told, state = shortlist(ENGINES[name].voices()), OK
         except SpeechError as error:
             told, state = f"{error}, for --tts {name}", MISSING
         yield CheckedPart(f"voices of {name}", state, told)

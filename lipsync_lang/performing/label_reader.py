@@ -56,9 +56,6 @@ FAST_SOUNDS, FAST_SECONDS = 8, 0.18
 SHORTEST_SECONDS = 0.015
 """Mean length of the sounds of a word, below which the word was not said there."""
 
-MAX_SHOWN = 4
-"""Maximum number of labels or notations in a remark."""
-
 
 @dataclass(frozen=True, eq=False)
 class LabelReader:
@@ -453,7 +450,7 @@ def _noise(reader: LabelReader, schedule: Schedule) -> Iterator[str]:
     named = (f"{label!r} ({n})" for label, n in counts.items())
     yield (
         f"{schedule.source}: noise or unreadable speech, during which the mouth rests for "
-        f"{seconds:.1f} s: {shortlist(named, MAX_SHOWN)}"
+        f"{seconds:.1f} s: {shortlist(named)}"
     )
 
 
@@ -474,5 +471,5 @@ def _notation(reader: LabelReader, schedule: Schedule) -> Iterator[str]:
         return
     told = f"{schedule.source}: labels are read as {name}, a notation with {share:.0%} of them"
     if alike:
-        told += f"; they can also be {shortlist(alike, MAX_SHOWN)} (`notation={alike[0]!r}`)"
+        told += f"; they can also be {shortlist(alike)} (`notation={alike[0]!r}`)"
     yield told

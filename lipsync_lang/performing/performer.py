@@ -39,9 +39,6 @@ if TYPE_CHECKING:
     from lipsync_lang.sound.speech.speaking.speaker import Speaker
     from lipsync_lang.text.phonology.nearest import Nearest
 
-MAX_SHOWN_GAPS = 12
-"""Bigrams in a message."""
-
 
 @dataclass(frozen=True, eq=False)
 class Performer(PlayedPair):
@@ -535,6 +532,6 @@ def gap_error(pair: PlayedPair, missing: Sequence[str], of: str) -> PackError:
     report = pair.compiled.report
     return PackError(
         f"{report.character} has no curves for {count(len(missing), 'bigram')} of {of}: "
-        f"{shortlist(missing, MAX_SHOWN_GAPS)}. Draw them, give {report.poseset} targets for their "
+        f"{shortlist(missing)}. Draw them, give {report.poseset} targets for their "
         "phonemes, or perform gaps as rest (`gaps='rest'`)"
     )

@@ -140,9 +140,6 @@ class ModelPhones(NamedTuple):
         )
 
 
-SHOWN_PHONES = 10
-"""Maximum number of phones in a message."""
-
 PHONES_FILE = "phones.yaml"
 """The file beside an acoustic model with the letters that each of its phones sounds like."""
 
@@ -196,7 +193,7 @@ def phones_beside(folder: Path, names: Sequence[str]) -> ModelPhones | None:
         "{}:{}:{}: {}".format(path, *source.where([n], key=True), e) for n, e in wrong.items()
     ]
     if missing := [name for name in names if name not in letters]:
-        told = f"no letters for {shortlist(missing, SHOWN_PHONES)}: write `PHONE: LETTERS` for each"
+        told = f"no letters for {shortlist(missing)}: write `PHONE: LETTERS` for each"
         faults.append(f"{path}:1:1: {told}, or `PHONE: []` for noise")
     if faults:
         raise SpeechError("\n".join(faults))

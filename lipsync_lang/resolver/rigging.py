@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from lipsync_lang.base.errors import ModelError
+from lipsync_lang.base.errors import ModelError, shortlist
 from lipsync_lang.faces.rigs.face_on_model import FaceOnModel
 from lipsync_lang.faces.rigs.recognise import Match
 from lipsync_lang.packs import models
@@ -87,7 +87,7 @@ def best_match(library: Library, path: Path) -> "tuple[Match, OtherModel]":
     Raise `ModelError` for a model that is unreadable, or whose shapes no pose set knows.
     """
     # only a model needs the room of rigs
-    from lipsync_lang.faces.rigs.model import known_model, some
+    from lipsync_lang.faces.rigs.model import known_model
     from lipsync_lang.faces.rigs.read_outs import still_shapes
     from lipsync_lang.faces.rigs.recognise import recognise
 
@@ -96,9 +96,9 @@ def best_match(library: Library, path: Path) -> "tuple[Match, OtherModel]":
     if found is None:
         still = still_shapes(model)
         moving = [name for name in model.shape_names if name not in still]
-        dead = f"; no point of the mesh moves with {some(sorted(still))}" if still else ""
+        dead = f"; no point of the mesh moves with {shortlist(sorted(still))}" if still else ""
         raise ModelError(
-            f"{path}: no pose set knows its shapes ({some(moving)}){dead}. Make them poses of "
+            f"{path}: no pose set knows its shapes ({shortlist(moving)}){dead}. Make them poses of "
             "their own with `lipsync-lang posesets new`"
         )
     return found, OtherModel(path.absolute(), found.rig)

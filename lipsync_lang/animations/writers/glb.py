@@ -27,7 +27,7 @@ from lipsync_lang.animations.animation_writers import binary_writer
 from lipsync_lang.animations.keys import fit, margin, needed
 from lipsync_lang.animations.moving_shapes import unbound
 from lipsync_lang.base.arrays import Floats
-from lipsync_lang.base.errors import OutputError
+from lipsync_lang.base.errors import OutputError, shortlist
 from lipsync_lang.base.grouping import grouped
 from lipsync_lang.base.json_object import Json
 from lipsync_lang.faces.rigs.channel import Channel
@@ -39,7 +39,7 @@ from lipsync_lang.faces.rigs.container import (
     write_container,
 )
 from lipsync_lang.faces.rigs.face_on_model import find
-from lipsync_lang.faces.rigs.model import Model, known_model, movable_nodes, numbers, some
+from lipsync_lang.faces.rigs.model import Model, known_model, movable_nodes, numbers
 from lipsync_lang.faces.rigs.shape_matching import on_mesh
 from lipsync_lang.faces.rigs.transforms import parts, product, turns
 
@@ -59,11 +59,11 @@ def unplaced(animation: Animation) -> Iterator[str]:
     lost = [number for number, channel in enumerate(channels) if channel.name not in known]
     if np.any(animation.weights[:, lost]):  # all are named, so that a build says it once
         names = dict.fromkeys(channels[number].node or channels[number].name for number in lost)
-        yield f"{model.path} has nothing for {some(names)}"
+        yield f"{model.path} has nothing for {shortlist(names)}"
         if torn := names.keys() & {node.get("name") for node in model.document.get("nodes", ())}:
             yield (
-                f"{model.path}: a turn of {some(sorted(torn))} would leave other meshes behind, "
-                "such as eyes and teeth; make them its children, and export the model again"
+                f"{model.path}: a turn of {shortlist(sorted(torn))} would leave other meshes "
+                "behind, such as eyes and teeth; make them its children, and export the model again"
             )
     yield from (f"{model.path}: {doubt}" for doubt in found.doubts)
 
@@ -97,11 +97,11 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
     _move_shapes(take, channels, animation.weights[frames], floors)
     _move_nodes(take, channels, animation.weights[frames])
     if not take.channels:
-        wanted = [channel.node or channel.name for channel in channels]
+        wanted = shortlist(channel.node or channel.name for channel in channels)
         raise OutputError(
-            f"{model.path}: no shape has the name of a pose: it has {some(model.shape_names)}; the "
-            f"poses are {some(wanted)}. Give the character a rig that says which pose moves what "
-            "(`lipsync-lang characters new` drafts one)"
+            f"{model.path}: no shape has the name of a pose: it has "
+            f"{shortlist(model.shape_names)}; the poses are {wanted}. Give the character a rig "
+            "that says which pose moves what (`lipsync-lang characters new` drafts one)"
         )
     take.finish(animation.title, {"audio_start": round(animation.begins, 6)})
     # Half of a surrogate pair has no UTF-8. Its escape is the same name in JSON.

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from lipsync_lang.base.arrays import Floats
-from lipsync_lang.base.errors import ModelError
+from lipsync_lang.base.errors import ModelError, shortlist
 from lipsync_lang.faces.rigs.channel import Channel, bare
 from lipsync_lang.faces.rigs.driver import Driver
-from lipsync_lang.faces.rigs.model import Model, some
+from lipsync_lang.faces.rigs.model import Model
 from lipsync_lang.faces.rigs.read_outs import (
     LEAST_MOUTH,
     SOUND_MEASURES,
@@ -87,7 +87,7 @@ def find(channels: Sequence[Channel], model: Model) -> ChannelPlaces:
     dead = {name: shapes for name, shapes in places.items() if shapes.keys() <= still}
     if dead:
         shapes = [shape for own in dead.values() for shape in own]
-        doubts[f"on the mesh, nothing moves with {some(shapes)}"] = None
+        doubts[f"on the mesh, nothing moves with {shortlist(shapes)}"] = None
     places = {name: shapes for name, shapes in places.items() if name not in dead}
     for channel in channels:
         if channel.node in model.nodes:
@@ -185,7 +185,7 @@ class FaceOnModel:
                 asked = stated.get(pose, 0.0) / max(map(abs, stated.values()))
                 far = min(abs(does) / WRONG_SHARE, abs(does - asked) / OFF_SHARE) > 1
                 off = far and does * asked <= 0 and (asked != 0 or measure == "aperture")
-                named = some(self.found.places.get(pose, (pose,)))
+                named = shortlist(self.found.places.get(pose, (pose,)))
                 what = _told(named, measure, does * most)
                 if measure == "aperture" and asked == 1 and does * most < LEAST_MOUTH:
                     size = moved[widest].aperture
@@ -198,7 +198,7 @@ class FaceOnModel:
             shapes = [one for one in self.silent.places.get(pose, ()) if one in moved]
             way = sum(moved[shape].corners for shape in shapes)
             if way * stated_pose.corners < 0 and abs(way) > SEEN_CORNERS:
-                what = _told(some(shapes), "corners", way)
+                what = _told(shortlist(shapes), "corners", way)
                 told[pose] = f"on the mesh, {what}: check the names of the shapes"
         return told
 
@@ -215,8 +215,8 @@ class FaceOnModel:
             if aside.get(left, 0.0) < -ONE_SIDE and aside.get(right, 0.0) > ONE_SIDE
             for shape in (*shapes[left], *shapes[right])
         ]
-        what = f"the other side of the face moves with {some(wrong)}: check the names of the shapes"
-        return (f"on the mesh, {what}",) if wrong else ()
+        what = f"on the mesh, the other side of the face moves with {shortlist(wrong)}"
+        return (f"{what}: check the names of the shapes",) if wrong else ()
 
     @cached_property
     def resting(self) -> frozenset[str]:
@@ -260,7 +260,7 @@ class FaceOnModel:
                 lost = [name for name in self.model.shape_names if name in still]
                 raise ModelError(
                     f"{path}: no shape opens the mouth: on the mesh, nothing moves with "
-                    f"{some(lost)}. Sculpt these, or {MEND}"
+                    f"{shortlist(lost)}. Sculpt these, or {MEND}"
                 )
         elif (most := self.gains[0].max(initial=0.0)) < LEAST_MOUTH:
             widest, seen = max(measured(self.model).items(), key=lambda one: one[1].aperture)

@@ -6,7 +6,6 @@ Models are glTF 2.0. The JSON holds all names and rest weights, so the binary da
 import json
 import time
 from collections import Counter
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import isfinite
@@ -26,8 +25,6 @@ MAX_KNOWN_BYTES = 32 * 2**20
 
 SETTLED_SECONDS = 2.0
 """Minimum age of a file whose times show its next change reliably."""
-
-MAX_NAMED_SHAPES = 12
 
 
 class Mesh(NamedTuple):
@@ -138,11 +135,6 @@ def _known(path: Path, bones: bool, _state: tuple[int, ...]) -> Model:  # noqa: 
     return read_model(path, bones=bones)
 
 
-def some(names: Iterable[str]) -> str:
-    """Format a few names for a message."""
-    return shortlist(names, MAX_NAMED_SHAPES)
-
-
 def _document(path: Path, text: bytes) -> Json:
     try:
         whole = text.decode("utf-8-sig")
@@ -222,7 +214,7 @@ def _meshes(path: Path, document: Json, *, bones: bool) -> tuple[Mesh, ...]:
             found.append(Mesh(number, label, row.get("name"), shapes, rest, binds))
     if not found and not bones:
         mend = "export it with its shape keys (blend shapes)"
-        fail(path, f"no mesh has morph targets (meshes: {some(labels)})", mend)
+        fail(path, f"no mesh has morph targets (meshes: {shortlist(labels)})", mend)
     return tuple(found)
 
 
@@ -250,7 +242,7 @@ def _shapes(path: Path, label: str, row: Json) -> tuple[str, ...]:
         fail(path, f"'{label}': its morph target {nameless} has no name", mend)
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
-        fail(path, f"'{label}': several morph targets share a name: {some(twice)}", mend)
+        fail(path, f"'{label}': several morph targets share a name: {shortlist(twice)}", mend)
     return tuple(names)
 
 

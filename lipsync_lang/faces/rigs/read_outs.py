@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from lipsync_lang.base.arrays import Floats, Ints
-from lipsync_lang.base.errors import ModelError
+from lipsync_lang.base.errors import ModelError, shortlist
 from lipsync_lang.faces.rigs.accessors import Accessors
-from lipsync_lang.faces.rigs.model import Model, some
+from lipsync_lang.faces.rigs.model import Model
 from lipsync_lang.faces.rigs.placing import placed
 
 NEAR_SHARE = 0.05
@@ -163,7 +163,7 @@ def moved_points(model: Model) -> tuple[Floats, dict[str, Floats]]:
     rest = np.concatenate(blocks)
     shapes = {name: np.concatenate(own) for name, own in moved.items()}
     if bad := [name for name, own in shapes.items() if not np.isfinite(own).all()]:
-        raise ModelError(f"{model.path}: an offset of {some(bad)} is not a finite number")
+        raise ModelError(f"{model.path}: an offset of {shortlist(bad)} is not a finite number")
     ways = sum(np.abs(own).sum(axis=1) for own in shapes.values())
     back, front = rest[:, 2].min(), rest[:, 2].max()
     if np.sum(ways) and np.average(rest[:, 2], weights=ways) < back + FRONT_SHARE * (front - back):

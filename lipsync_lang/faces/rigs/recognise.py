@@ -15,11 +15,11 @@ from typing import Any, cast
 
 import numpy as np
 
-from lipsync_lang.base.errors import ModelError, PackError
+from lipsync_lang.base.errors import ModelError, PackError, shortlist
 from lipsync_lang.base.presentation.text_table import columns
 from lipsync_lang.faces.rigs.driver import Driver
 from lipsync_lang.faces.rigs.face_on_model import MEND, ChannelPlaces, FaceOnModel
-from lipsync_lang.faces.rigs.model import Model, some
+from lipsync_lang.faces.rigs.model import Model
 from lipsync_lang.faces.rigs.read_outs import measured, still_shapes
 from lipsync_lang.packs import models
 from lipsync_lang.packs.library import Library
@@ -202,13 +202,14 @@ def recognise(library: Library, model: Model) -> tuple[Match, ...]:
         except PackError:
             continue
     if dead and not found:
-        told = f"{model.path}: on the mesh, nothing moves with {some(model.shape_names)}"
+        told = f"{model.path}: on the mesh, nothing moves with {shortlist(model.shape_names)}"
         raise ModelError(f"{told}. Sculpt these shapes, or {MEND}")
     ranked = sorted(found, key=lambda match: match.rank)
     shut = {one.poseset: one.dead for one in ranked if one.enough and one.dead}
     if shut and ranked[0].poseset not in shut:
-        lost = some(sorted(frozenset[str]().union(*shut.values())))
-        told = f"on the mesh, nothing moves with {lost}, so {ranked[0].name} replaces {some(shut)}"
+        lost = shortlist(sorted(frozenset[str]().union(*shut.values())))
+        instead = f"{ranked[0].name} replaces {shortlist(shut)}"
+        told = f"on the mesh, nothing moves with {lost}, so {instead}"
         places = replace(ranked[0].found, doubts=(*ranked[0].found.doubts, told))
         ranked[0] = replace(ranked[0], found=places, ahead=(told,))
     return tuple(ranked)

@@ -15,7 +15,7 @@ from lipsync_lang import OutputError
 from lipsync_lang.animations.fixed import names
 from lipsync_lang.animations.held import HeldShape, held
 from lipsync_lang.animations.writers import Animation, template, writer
-from lipsync_lang.faces.rigs.model import some
+from lipsync_lang.base.errors import shortlist
 
 RHUBARB_NAMES = Path(__file__).with_name("rhubarb-names.txt")
 """List of the shapes' names, with the rest shape last."""
@@ -27,7 +27,7 @@ def _refuse_others(animation: Animation) -> dict[str, str]:
     poses = animation.without_gestures().poses
     others = [pose for pose in poses if pose.casefold() not in known]
     if others:
-        unknown = f"{some(others)} {'is' if len(others) == 1 else 'are'} unknown"
+        unknown = f"{shortlist(others)} {'is' if len(others) == 1 else 'are'} unknown"
         mend = "perform on a character that has those shapes (-c rhubarb)"
         known_ones = ", ".join(known.values())
         raise OutputError(f"Rhubarb's mouth shapes are {known_ones}, and {unknown}; {mend}")

@@ -17,7 +17,7 @@ from lipsync_lang.animations.fixed import boneless
 from lipsync_lang.animations.moving_shapes import shapes
 from lipsync_lang.animations.writers import Animation, template, writer
 from lipsync_lang.animations.writers.glb import unplaced
-from lipsync_lang.faces.rigs.model import some
+from lipsync_lang.base.errors import shortlist
 
 if TYPE_CHECKING:
     from lipsync_lang.base.arrays import Floats
@@ -44,7 +44,7 @@ def write_usd(animation: Animation, out: TextIO) -> None:
     strays = {shape.name for shape in found if (shape.values != moves[shape.name]).any()}
     if apart := [name for name in moves if name in strays]:
         what = "moves differently on different meshes, but USD identifies shapes by name"
-        raise OutputError(f"{some(apart)}: {what}; rename it on one of the meshes")
+        raise OutputError(f"{shortlist(apart)}: {what}; rename it on one of the meshes")
     frames = (animation.times + animation.offset) * animation.fps
     numbers = (f"{round(frame, 6) + 0.0:.6f}" for frame in frames.tolist())
     codes = [number.rstrip("0").rstrip(".") for number in numbers]

@@ -12,8 +12,6 @@ from lipsync_lang.base.errors import shortlist
 from lipsync_lang.schedules import LabelRow, Schedule, TimingFile, reader, schedule_of
 from lipsync_lang.schedules.timing_file import first_item
 
-MAX_SHOWN_WORDS = 8
-
 LEAST_WORD_SECONDS = 0.1
 """Shortest time of a word that was not found."""
 
@@ -66,7 +64,7 @@ def read_gentle(source: TimingFile) -> Schedule:
     if lost and not rows:
         raise source.fault("no word was found in the recording; align it again")
     told = [
-        f"{source.path}: not found in the recording, so {what}: {shortlist(some, MAX_SHOWN_WORDS)}"
+        f"{source.path}: not found in the recording, so {what}: {shortlist(some)}"
         for some, what in (
             (lost, "the mouth rests"), (placed, "they are doubtful where they fill a gap"),
         )

@@ -21,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang import Audio, Schedule, SpeechError, Word
+from lipsync_lang.base.errors import shortlist
 from lipsync_lang.base.extras import install_line
 from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, SNAP_SECONDS
 from lipsync_lang.sound.speech.hearing import progress
@@ -34,7 +35,6 @@ from lipsync_lang.sound.speech.hearing.recognise.recognisers import (
 )
 from lipsync_lang.sound.speech.hearing.recognition import recognised
 from lipsync_lang.sound.speech.hearing.sphinx.decoders import ModelProcess, parts
-from lipsync_lang.sound.speech.hearing.sphinx.scheduling import listed
 from lipsync_lang.sound.speech.sound import INT16_FULL_SCALE, SPEECH_RATE, resampled
 
 if TYPE_CHECKING:
@@ -381,7 +381,7 @@ def _laid(heard: Sequence[Stretch], audio: Audio, speaker: "Speaker") -> Schedul
     remarks = [heard_remark(" ".join(stretch.text for stretch, _ in laid))]
     remarks += doubt_remarks(doubtful)
     remarks += (
-        [f"left out, because the recording does not support it: {listed(lost)}"] if lost else []
+        [f"left out, because the recording does not support it: {shortlist(lost)}"] if lost else []
     )
     count = sum(len(stretch.words) for stretch in heard)
     return replace(

@@ -1,6 +1,5 @@
 """Readers of animations of other programs, as poses or rig channels of a performer, for `check`."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -29,9 +28,6 @@ MAX_FRAMES_EACH = 100
 
 PERCENT_ABOVE = 5.0
 """Weights above this are percentages, not fractions."""
-
-MAX_REMARK_NAMES = 8
-"""Maximum number of names in a remark."""
 
 AnimationWithRemarks = tuple[Animation, tuple[str, ...]]
 """An animation with remarks on doubtful points."""
@@ -76,7 +72,7 @@ def fit(
     animation = Animation(found.times, names, values, found.fps, schedule, channels=found.face)
     if not found.missing:
         return animation, found.remarks
-    told = f"{recording.source} has no column for {some_names(found.missing)}"
+    told = f"{recording.source} has no column for {shortlist(found.missing)}"
     return animation, (*found.remarks, f"{told}; these stay at rest")
 
 
@@ -131,7 +127,7 @@ def placed_columns(
     if not found:
         raise AnimationError(
             f"{recording.source}: has nothing of {performer.character}: it has "
-            f"{some_names(recording.names)}; wanted are {some_names(c.name for c in face)}. Name a "
+            f"{shortlist(recording.names)}; wanted are {shortlist(c.name for c in face)}. Name a "
             "character of the pose set that it was made for"
         )
     numbers = sorted(found)
@@ -174,8 +170,3 @@ def even_times(source: str, times: Floats) -> tuple[Floats, float]:
             "to judge; export it at an even rate"
         )
     return times[0] + np.arange(count) / fps, fps
-
-
-def some_names(names: Iterable[str]) -> str:
-    """Format the first few names as a list."""
-    return shortlist(names, MAX_REMARK_NAMES)

@@ -34,9 +34,6 @@ PHRASE_PAUSE_SECONDS = 0.2
 PHRASE_MARGIN_SECONDS = 0.05
 """Sound around a phrase that an aligner hears, as given boundaries are not exact."""
 
-MAX_MUTE_WORDS = 5
-"""Words shown in a remark."""
-
 _UNSPACED_CHAR = re.compile(f"[{UNSPACED}]")
 
 WordPhonemes = Schedule | SpeechError | None
@@ -221,7 +218,7 @@ def _filled_schedule(
         raise error or SpeechError(f"{timed.source}: no word can be read")
     remarks = [*timed.remarks, told]
     if mute:
-        shown = shortlist(map(repr, mute), MAX_MUTE_WORDS)
+        shown = shortlist(map(repr, mute))
         remarks.append(f"{timed.source}: the mouth rests during words that cannot be read: {shown}")
     return Schedule(
         tuple(layout.labels),

@@ -18,8 +18,6 @@ from lipsync_lang.sound.speech.speaking.speaker import Speaker
 from lipsync_lang.sound.speech.speaking.speech_engines import NO_ENGINE
 from lipsync_lang.text.phonology.labels import Notation, recognise
 
-MAX_SHOWN_WORDS = 8
-
 
 def with_lacking(
     schedule: Schedule, speaker: Speaker, dictionary: str = "the dictionary of the aligner"
@@ -43,8 +41,7 @@ def with_lacking(
     fates = {True: "the language reads them instead", False: "the mouth rests there"}
     lacks = {fate: [text for text in texts if (text in read) is fate] for fate in fates}
     told = [
-        f"{dictionary} lacks {shortlist(some, MAX_SHOWN_WORDS)}: {fates[fate]}; "
-        "add the missing words to it"
+        f"{dictionary} lacks {shortlist(some)}: {fates[fate]}; add the missing words to it"
         for fate, some in lacks.items()
         if some
     ]

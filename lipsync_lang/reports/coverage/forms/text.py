@@ -30,9 +30,6 @@ from lipsync_lang.reports.coverage.report import (
 MAX_RANKING_ROWS = 20
 """Number of rows of the ranking by default."""
 
-MAX_TEXT_NAMES = 8
-"""Maximum number of names of a list."""
-
 MAX_TEXT_SENTENCES = 3
 """Maximum number of lines to draw first, by default."""
 
@@ -121,7 +118,7 @@ def _played_trigrams(report: CoverageReport) -> list[str]:
 
 
 def _entries(report: CoverageReport) -> str:
-    return _few([f"{one.what} ({one.count}, {_WHY[one.why]})" for one in report.entries])
+    return shortlist([f"{one.what} ({one.count}, {_WHY[one.why]})" for one in report.entries])
 
 
 def _drawn(bigrams: Sequence[BigramNeed]) -> int:
@@ -129,11 +126,7 @@ def _drawn(bigrams: Sequence[BigramNeed]) -> int:
 
 
 def _tallies(found: Sequence[Tally]) -> str:
-    return _few([f"{one.what} ({one.count}, {one.place})" for one in found])
-
-
-def _few(names: Sequence[str]) -> str:
-    return shortlist(names, MAX_TEXT_NAMES)
+    return shortlist([f"{one.what} ({one.count}, {one.place})" for one in found])
 
 
 def draft_calls(items: Sequence[WorkItem]) -> Iterator[str]:
@@ -177,7 +170,7 @@ def serves(item: WorkItem, total: TotalFigures) -> str:
 TEXT_TOOLS: dict[str, Callable[..., object]] = {
     "count": count,
     "percent": percentage_text,
-    "few": _few,
+    "few": shortlist,
     "tallies": _tallies,
     "entries": _entries,
     "headline": headline,

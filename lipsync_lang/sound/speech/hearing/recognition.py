@@ -10,7 +10,7 @@ from typing import overload
 import numpy as np
 
 from lipsync_lang.base.arrays import Floats
-from lipsync_lang.base.errors import SpeechError
+from lipsync_lang.base.errors import SpeechError, shortlist
 from lipsync_lang.packs.finding import Paths
 from lipsync_lang.schedules.phoneme_changes import with_changes
 from lipsync_lang.schedules.rows import LabelRow
@@ -21,7 +21,6 @@ from lipsync_lang.sound.speech.hearing.recognise.recognisers import (
     Recogniser,
     WordRecogniser,
 )
-from lipsync_lang.sound.speech.hearing.sphinx.scheduling import listed
 from lipsync_lang.sound.speech.results import each, raised, tried
 from lipsync_lang.sound.speech.sound import SoundSource, sound_of
 from lipsync_lang.sound.speech.speaking.speaker import Speaker
@@ -187,7 +186,7 @@ def _filled(found: Schedule, sounds: Mapping[int, Sequence[LabelRow]]) -> Schedu
     inner = {at: [one.start for one in own[1:]] for at, own in sounds.items()}
     times = [t for at, time in enumerate(found.times) for t in (time, *inner.get(at, ()))]
     speech = [[one for one in own if one.label != SILENCE] for own in sounds.values()]
-    told = listed([f"{own[0].start:.1f} to {own[-1].end:.1f} s" for own in speech])
+    told = shortlist([f"{own[0].start:.1f} to {own[-1].end:.1f} s" for own in speech])
     wordless = sum(one.end - one.start for own in speech for one in own)
     words = sum(word.end - word.start for word in found.words)
     sure = found.confidence

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property, partial
 from itertools import repeat
 
-from lipsync_lang.base.errors import SpeechError
+from lipsync_lang.base.errors import SpeechError, shortlist
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
 from lipsync_lang.sound.speech.hearing.align.aligners import BatchAligner, UnreadRecordings, aligner
@@ -26,7 +26,6 @@ from lipsync_lang.sound.speech.hearing.sphinx.scheduling import (
     Saying,
     confidence,
     doubts,
-    listed,
     timed_labels,
 )
 from lipsync_lang.sound.speech.results import WrongTextError, batches, raised, tried
@@ -100,7 +99,7 @@ class PocketsphinxAligner(BatchAligner):
         agreeing = confidence(models, heard)
         told = [] if moved is None else [moved.told(texts)]
         if unwritten:
-            places = listed([one.told(texts) for one in unwritten])
+            places = shortlist([one.told(texts) for one in unwritten])
             told.append(f"a word may be said that the text does not have: {places}")
         doubted = agreeing < MIN_AGREEMENT or sure < DOUBTFUL
         if reader.own and models.language_model and doubted:

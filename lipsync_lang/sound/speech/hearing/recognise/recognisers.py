@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
+from lipsync_lang.base.errors import shortlist
 from lipsync_lang.base.extensions import Extensions
-from lipsync_lang.sound.speech.hearing.sphinx.scheduling import listed
 
 if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Audio, Schedule
@@ -59,7 +59,7 @@ def heard_remark(text: str) -> str:
 
 def doubt_remarks(words: Sequence[tuple[str, float]]) -> list[str]:
     """Return a remark that names doubtful words with their seconds; none without such words."""
-    return [f"words in doubt: {listed([placed(*word) for word in words])}"] if words else []
+    return [f"words in doubt: {shortlist([placed(*word) for word in words])}"] if words else []
 
 
 def placed(text: str, seconds: float) -> str:

@@ -41,9 +41,6 @@ OTHER_SOUND_SECONDS = 0.5
 MIN_TOLD_PHONEMES = 3
 """Minimum phonemes of a word for a remark; shorter words are often reduced in normal speech."""
 
-MAX_SHOWN_PLACES = 5
-"""Maximum number of places in one remark."""
-
 LINE_FIT_WEIGHTS = (0.9, -4.0, 12.0, -10.0, -3.75)
 """Weights in the logit of a line's confidence: of the fit, of the hurried share, of the share of
 speech, of 1 for each phoneme, and of 1."""
@@ -171,12 +168,7 @@ def doubts(heard: Sequence[HeardPhoneme], sayings: Sequence[Saying]) -> list[str
         "words that are not spoken are left out": absent,
         "words that were not recognised": unlike,
     }
-    return [f"{what}: {listed(places)}" for what, places in told.items() if places]
-
-
-def listed(places: Sequence[str]) -> str:
-    """List the first places in a remark, and the number of the others."""
-    return shortlist(places, MAX_SHOWN_PLACES)
+    return [f"{what}: {shortlist(places)}" for what, places in told.items() if places]
 
 
 def line_confidence(heard: Sequence[HeardPhoneme]) -> float:
