@@ -77,10 +77,14 @@ def _ends(text: str) -> dict[int, int]:
 
 def _branch(inner: str, values: Mapping[str, str]) -> str | None:
     """Return the branch of a choice; None for braces of another kind."""
-    if found := ICU.match(inner):
-        return _of_icu(inner[found.end() :], found[1], values)
-    if found := FLUENT.match(inner):
-        return _of_fluent(inner[found.end() :], values.get(found[1]))
+    if message := _message(inner):
+        name, forms, general = message
+        value = values.get(name)
+        usual = forms.get("one" if value == "1" else general, forms[general])
+        said = forms.get(f"={value}", forms.get(value or "", usual))
+        return said if value is None else said.replace(f"{{{name}}}", value)
+    if ICU.match(inner) or FLUENT.match(inner):
+        return None
     if found := LITERAL.fullmatch(inner):
         return found[1]
     if found := STRING_CHOICE.fullmatch(inner):
@@ -152,42 +156,36 @@ def _first_choice(
     """Return the start, end and branches of the first choice whose value is unknown."""
     ends = _ends(text)
     while (start := text.find("{", at)) >= 0:
-        inner = text[start + 1 : ends.get(start, start)]
-        icu, fluent, found = ICU.match(inner), FLUENT.match(inner), dict[str, str]()
-        if icu and icu[1] not in values:
-            branches = _icu_branches(inner[icu.end() :]) or {}
-            found = {form: one.replace("#", f"{{{icu[1]}}}") for form, one in branches.items()}
-        elif fluent and fluent[1] not in values:
-            found, _ = _fluent_variants(inner[fluent.end() :])
-        if found:
-            return start, ends[start] + 1, found
+        message = _message(text[start + 1 : ends.get(start, start)])
+        if message and message[0] not in values:
+            return start, ends[start] + 1, message[1]
         at = start + 1
     return None
 
 
-def _icu_branches(branches: str) -> dict[str, str] | None:
-    """Return the branches of an ICU choice by their names; None for an open brace."""
+def _message(inner: str) -> tuple[str, dict[str, str], str] | None:
+    """Return the variable, the branches by name, and the general one of an ICU or Fluent choice."""
+    if found := ICU.match(inner):
+        forms = _icu_branches(inner[found.end() :])
+        forms = {form: one.replace("#", f"{{{found[1]}}}") for form, one in forms.items()}
+        general = "other" if "other" in forms else next(reversed(forms), "")
+    elif found := FLUENT.match(inner):
+        forms, general = _fluent_variants(inner[found.end() :])
+    return (found[1], forms, general) if found and forms else None
+
+
+def _icu_branches(branches: str) -> dict[str, str]:
+    """Return the branches of an ICU choice by their names; none for an open brace."""
     ends = _ends(branches)
     found: dict[str, str] = {}
     at = 0
     while match := BRANCH.search(branches, at):
         end = ends.get(match.end() - 1)
         if end is None:
-            return None
+            return {}
         found[match[1]] = branches[match.end() : end]
         at = end + 1
     return found
-
-
-def _of_icu(branches: str, name: str, values: Mapping[str, str]) -> str | None:
-    found = _icu_branches(branches)
-    if not found:
-        return None
-    value = values.get(name)
-    general = found.get("other", next(reversed(found.values())))
-    counted = "one" if value == "1" else "other"
-    branch = found.get(f"={value}", found.get(value or "", found.get(counted, general)))
-    return branch.replace("#", f"{{{name}}}" if value is None else value)
 
 
 def _fluent_variants(variants: str) -> tuple[dict[str, str], str]:
@@ -204,10 +202,3 @@ def _fluent_variants(variants: str) -> tuple[dict[str, str], str]:
         one[2]: variants[one.end() : stop].strip() for one, stop in zip(found, stops, strict=False)
     }
     return texts, next((one[2] for one in found if one[1]), found[-1][2] if found else "")
-
-
-def _of_fluent(variants: str, value: str | None) -> str | None:
-    texts, general = _fluent_variants(variants)
-    if not texts:
-        return None
-    return texts.get(value or "", texts.get("one" if value == "1" else general, texts[general]))
