@@ -248,6 +248,7 @@ def test_a_rank_is_read_without_a_name_where_a_case_shows_it(written, said):
     [
         ("5'e", "5e"),
         ("Ali'ye", "Aliye"),
+        ("TSK'ya", "TSK'ya"),
         ("it is 3.5 km", "it is three and five km"),
         ("it is 3.500 km", "it is 3500 km"),
         ("60/40 and 7/10 and 50/50", "60 to 40 and 7 of 10 and 50 to 50"),

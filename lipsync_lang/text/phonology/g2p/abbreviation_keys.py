@@ -55,8 +55,7 @@ _SIGN_BEHIND = re.compile("\\d[ \u00a0\u202f]?(\\D)")
 _SIGN_OF_KEY = re.compile("[#\\d]+ ?([^#~* \\d])")
 _FIRST_CHARS = {"#": "0123456789-", "~": "IVXLC"}
 _NUMBER_PLACE = re.compile(r"\{(\d)(?::([\w-]+))?\}")
-_BEFORE_ALONE = re.compile(r"([^{}]+)\{1\}")
-"""Words before the only number, as in `max. 5 kg`."""
+_BEFORE_ALONE = re.compile(r"([^{}]+)\{1\}")  # words before the only number: `max. 5 kg`
 _BEFORE_LAST = re.compile(r"(\{1[^{}]*\})?([^{}]*)\{[12][^{}]*\}")
 _CALL_SIGN = re.compile(r"(?<!\w)[^\W\d_]\w+ $")
 """The word before two digits that are read one by one, as in `Alpha 2-1`; it has a capital."""
@@ -137,9 +136,10 @@ class AbbreviationKeys:
         """Yield patterns of the places at which a key may begin."""
         for key in self._expansions:
             if key[0] == "…":
-                # within `Ankara'da` and `10'da`
-                around = r"(?<=\w){}(?!\d)" if key[-1] == "…" else r"(?<=[^\W\d_]){}(?!\w|[.,]\d)"
-                yield around.format(re.escape(key.strip("…")))
+                # within `Ankara'da` and `10'da`, but not in `TSK'da`, which is spelled
+                before = r"\w" if key[1].isalpha() else r"[^\WA-Z]"
+                ends = (before, r"\d") if key[-1] == "…" else (r"[^\W\d_]", r"\w|[.,]\d")
+                yield re.escape(key.strip("…")).join((f"(?<={ends[0]})", f"(?!{ends[1]})"))
         yield r"(?<!\d)(?<!\d[.,/:-])\d"
         yield _SIGNED_DIGIT
         firsts = dict.fromkeys(first for first, _ in self._beginnings)
