@@ -59,9 +59,9 @@ class Correction(NamedTuple):
     timings: bool = False
     """True to correct labels of timings too, which no engine wrote."""
     next_word: str = ""
+    """A regular expression that must match the first label of the next word, before any pause."""
     capital: bool = False
     """True for words that begin with a capital letter alone."""
-    """A regular expression that must match the first label of the next word, before any pause."""
 
 
 class MissingReaderError(SpeechError):
