@@ -400,10 +400,11 @@ def label_remarks(reader: LabelReader, schedule: Schedule) -> tuple[str, ...]:
 
 def _pace(schedule: Schedule) -> Iterator[str]:
     """Yield a remark on sounds that follow each other faster than anyone speaks."""
-    if np.diff(schedule.times).min() > FAST_SECONDS / FAST_SOUNDS:  # no sound alone is so fast
+    lengths = schedule.times[1:] - schedule.times[:-1]
+    if lengths.min() > FAST_SECONDS / FAST_SOUNDS:  # no sound alone is so fast
         return
     sounds = np.array([label != SILENCE for label in schedule.labels])
-    starts, lengths = schedule.times[:-1][sounds], np.diff(schedule.times)[sounds]
+    starts, lengths = schedule.times[:-1][sounds], lengths[sounds]
     ends = np.concatenate(([0.0], np.cumsum(lengths)))
     spans = ends[FAST_SOUNDS:] - ends[:-FAST_SOUNDS]
     at = np.flatnonzero(spans < FAST_SECONDS)
@@ -440,7 +441,7 @@ def _noise(reader: LabelReader, schedule: Schedule) -> Iterator[str]:
     noise = {
         label
         for label in {*schedule.labels}
-        if normalise(label).casefold() in reader.noises and notation.find(label) == notation.silence
+        if notation.find(label) == notation.silence and normalise(label).casefold() in reader.noises
     }
     if not noise:
         return

@@ -15,12 +15,16 @@ import lipsync_lang as ll
 from lipsync_lang import Schedule
 from lipsync_lang.pipeline import kernel
 from lipsync_lang.production.builds import planning, records
+from lipsync_lang.reports.quality.check_animation import check_all
 
 FEW_AND_MANY = 4, 24
 """Lines of two games."""
 
 MAX_READ_PACKS = 10
 """Maximum number of packs that an unchanged build reads; a pair has 5."""
+
+MAX_JUDGING_CALLS = 930
+"""Maximum number of calls to judge a line more of a batch on its mesh."""
 
 MAX_PLANNING_CALLS = 400
 """Maximum number of calls for an unchanged line."""
@@ -79,6 +83,13 @@ def test_a_plain_line_more_takes_a_third_of_the_calls_of_one_alone():
     lines = [Schedule(("M", "AA", "S"), np.arange(4) + n / 9) for n in range(40)]
     few, many = (calls(lambda n=n: performer.perform_many(lines[:n])) for n in (10, 40))
     assert 3 * (many - few) < 30 * calls(lambda: performer.perform(lines[0]))
+
+
+def test_a_judged_line_more_takes_few_calls():
+    performer = ll.resolve("english", "facefx")
+    lines = performer.perform_many([line_of(40 + n % 5) for n in range(30)])
+    few, many = (calls(lambda n=n: check_all(lines[:n], performer)) for n in (10, 30))
+    assert many - few <= 20 * MAX_JUDGING_CALLS
 
 
 def test_calls_of_a_stream_do_not_grow_with_what_was_said_before():

@@ -117,7 +117,7 @@ def false_contacts(scene: MeasuredScene) -> Iterable[list[Figure]]:
         yield from (unjudged(NO_CONTACT) for _ in scene.spans)
         return
     middles = (scene.begin + scene.end) / 2 - scene.frame[scene.line] / 2
-    frames = search((scene.frame_line, scene.times), (scene.line, middles))
+    frames = scene.frame_at(scene.line, middles)
     making = scene.margin[:, np.minimum(frames, scene.frames[scene.line + 1] - 1)] >= 0
     others = scene.sounds & ~scene.face.demanding[:, scene.ids]
     wrong = others & making

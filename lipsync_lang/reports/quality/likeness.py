@@ -219,26 +219,26 @@ def shelves(scene: MeasuredScene) -> Iterable[list[Figure]]:
     jaws = _jaws(scene)
     opened, still = statistics.open_frames(jaws.curve)
     opened[jaws.cuts[:-1]] = opened[jaws.cuts[1:] - 1] = False
-    still &= opened
-    owner = scene.owners(jaws.line, jaws.times)
+    at = opened.nonzero()[0]
+    moments = jaws.line[at], jaws.times[at]
+    owner = search((scene.line, scene.begin), moments, "right") - 1
+    owner = np.maximum(owner, scene.phonemes[moments[0]])
     free = ~(scene.sounds & (scene.lengths > HELD_SECONDS))[owner]
-    counted, standing = (
-        np.bincount(jaws.line[part & free], minlength=len(scene.spans)).tolist()
-        for part in (opened, still)
-    )
-    for line, why in enumerate(jaws.whys):
+    counted = np.bincount(jaws.line[at[free]], minlength=len(scene.spans)).tolist()
+    standing: list[list[tuple[int, float]]] = [[] for _ in scene.spans]
+    stands = free & still[at]
+    rows = jaws.line[at[stands]], owner[stands], jaws.times[at[stands]]
+    for line, number, seconds in zip(*(row.tolist() for row in rows), strict=True):
+        standing[line].append((number, seconds))
+    for why, own, count in zip(jaws.whys, standing, counted, strict=True):
         if why:
             yield unjudged(why)
             continue
-        found: dict[int, float] = {}
-        if standing[line]:
-            own = still & free & (jaws.line == line)
-            found = dict(zip(owner[own].tolist(), jaws.times[own].tolist(), strict=True))
         shown = [
-            Finding(round(at, 4), f"the jaw stands still in {scene.labels[number]}")
-            for number, at in found.items()
+            Finding(round(seconds, 4), f"the jaw stands still in {scene.labels[number]}")
+            for number, seconds in dict(own).items()
         ]
-        yield one(standing[line] / max(1, counted[line]), {}, shown)
+        yield one(len(own) / max(1, count), {}, shown)
 
 
 @measure("turns", "per second")
@@ -286,7 +286,7 @@ def lead_missing(scene: MeasuredScene) -> Iterable[list[Figure]]:
 
 def _leads(scene: MeasuredScene, roles: Roles) -> Iterator[tuple[int, float]]:
     """Yield sounds and the seconds by which their poses lead, for sounds without an obstacle."""
-    frames, phonemes = (scene.frame_line, scene.times), (scene.line, scene.begin)
+    phonemes = (scene.line, scene.begin)
     for pose in (roles.ahead > 0).nonzero()[0].tolist():
         wanted = (roles.begins[scene.ids, pose] >= ROUNDED_SHARE) & scene.sounds
         which = wanted.nonzero()[0]
@@ -297,7 +297,7 @@ def _leads(scene: MeasuredScene, roles: Roles) -> Iterator[tuple[int, float]]:
         free = blocked[np.maximum(first, scene.phonemes[line])] == blocked[which]
         which, line, start = which[free], line[free], start[free]
         times = (start - MAX_LEAD_SECONDS, start, scene.end[which])
-        spans = np.column_stack([search(frames, (line, one)) for one in times]).tolist()
+        spans = np.column_stack([scene.frame_at(line, one) for one in times]).tolist()
         for number, (far, here, there) in zip(which.tolist(), spans, strict=True):
             curve = scene.curves[pose, far:there]
             begun = statistics.rise(curve, here - far, there - far, ONSET_SHARE)
@@ -390,22 +390,20 @@ def opening_lag(scene: MeasuredScene) -> Iterable[list[Figure]]:
 def _lags(scene: MeasuredScene, opening: Opening, which: Ints) -> Floats:
     """Return the seconds from the start of sounds until the mouth opens and stays open."""
     curve, times, level = opening.curve, scene.times, opening.level(scene)
-    start, end, frames = scene.begin[which], scene.end[which], (scene.frame_line, scene.times)
-    bounds = (scene.begin[which - 1], start, end)
-    spans = np.column_stack([search(frames, (scene.line[which], one)) for one in bounds]).tolist()
+    line, start, end = scene.line[which], scene.begin[which], scene.end[which]
+    far, here, there = (scene.frame_at(line, one) for one in (scene.begin[which - 1], start, end))
     # the latest frame with a shut mouth, at each frame
     shut = np.maximum.accumulate(np.where(curve <= level, np.arange(len(curve)), -1))
-    lags = (end - start).tolist()
-    for number, (far, here, there) in enumerate(spans):
-        if here == there:
-            continue
-        top = here + int(curve[here:there].argmax())
-        if not curve[top] > level[top]:
-            continue
-        low = int(shut[top])
-        if low < far:
-            lags[number] = 0.0
-            continue
-        crossed = np.interp(level[top], curve[low : low + 2], times[low : low + 2])
-        lags[number] = max(0.0, float(crossed - start[number]))
-    return np.array(lags)
+    seen = (here < there).nonzero()[0]
+    spans = zip(here[seen].tolist(), there[seen].tolist(), strict=True)
+    top = np.array([at + curve[at:past].argmax() for at, past in spans], np.intp)
+    opens = curve[top] > level[top]
+    seen, top = seen[opens], top[opens]
+    low, lags = shut[top], end - start
+    lags[seen] = 0.0
+    shuts = low >= far[seen]
+    seen, low, most = seen[shuts], low[shuts], level[top[shuts]]
+    # between its two frames the mouth opens evenly
+    slope = (times[low + 1] - times[low]) / (curve[low + 1] - curve[low])
+    lags[seen] = np.maximum(0.0, slope * (most - curve[low]) + times[low] - start[seen])
+    return lags

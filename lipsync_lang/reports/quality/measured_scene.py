@@ -32,13 +32,14 @@ def search(
     ----------
     places, to : lines and times; those of `places` ascend
     """
-    keys = []
-    for line, times in (places, to):
-        # complex numbers are sorted by their real part, then by the imaginary one
-        key = np.empty(len(times), np.complex128)
-        key.real, key.imag = line, times
-        keys.append(key)
-    return keys[0].searchsorted(keys[1], side)
+    return _keys(*places).searchsorted(_keys(*to), side)
+
+
+def _keys(line: Ints, times: Floats) -> "np.ndarray[tuple[int], np.dtype[np.complex128]]":
+    # complex numbers are sorted by their real part, then by the imaginary one
+    keys = np.empty(len(times), np.complex128)
+    keys.real, keys.imag = line, times
+    return keys
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,12 +120,21 @@ class MeasuredScene:
     @cached_property
     def owner(self) -> Ints:
         """(T,) index of each frame's phoneme; the outermost silences have no end."""
-        return self.owners(self.frame_line, self.times)
+        return np.maximum(self.passed(self.line, self.begin) - 1, self.phonemes[self.frame_line])
 
-    def owners(self, line: Ints, times: Floats) -> Ints:
-        """Return the index of the phoneme at times of lines."""
-        at = search((self.line, self.begin), (line, times), "right") - 1
-        return np.maximum(at, self.phonemes[line])
+    @cached_property
+    def _frame_keys(self) -> Any:
+        return _keys(self.frame_line, self.times)
+
+    def frame_at(self, line: Ints, times: Floats, side: Literal["left", "right"] = "left") -> Ints:
+        """Return the first frame at or after times of lines, or after them for the right side."""
+        return self._frame_keys.searchsorted(_keys(line, times), side)
+
+    def passed(self, line: Ints, times: Floats, side: Literal["left", "right"] = "left") -> Ints:
+        """Return how many times of lines each frame has reached, or passed: (T,)."""
+        # the few times are sought among the many frames, which takes a fifth of the reverse
+        first = self.frame_at(line, times, side)
+        return np.bincount(first, minlength=len(self.times) + 1)[:-1].cumsum()
 
     @cached_property
     def speaking(self) -> Bools:
@@ -173,6 +183,11 @@ class MeasuredScene:
         counts: Ints = np.add.reduceat(marked, self.phonemes[:-1], axis=-1, dtype=np.intp)
         return counts.T
 
+    def frames_of(self, marked: Bools) -> list[slice]:
+        """Return the part of each line in the values of marked frames, (T,) marks."""
+        cuts = marked.nonzero()[0].searchsorted(self.frames).tolist()
+        return list(map(slice, cuts, cuts[1:]))
+
     def split(self, numbers: Ints) -> list[slice]:
         """Return the part of each line in ascending indices of phonemes."""
         cuts = numbers.searchsorted(self.phonemes).tolist()
@@ -181,9 +196,9 @@ class MeasuredScene:
     @cached_property
     def cuts(self) -> Ints:
         """(n, 2) first frame of each phoneme and the frame past its last, half a frame wider."""
-        half, frames = self.frame[self.line] / 2 + 1e-9, (self.frame_line, self.times)
-        first = search(frames, (self.line, self.begin - half))
-        past = search(frames, (self.line, self.end + half), "right")
+        half = self.frame[self.line] / 2 + 1e-9
+        first = self.frame_at(self.line, self.begin - half)
+        past = self.frame_at(self.line, self.end + half, "right")
         return np.column_stack((first, np.maximum(first, past)))
 
     def highest(self, values: Floats) -> Floats:

@@ -9,7 +9,7 @@ import numpy as np
 
 from lipsync_lang.base.arrays import Ints
 from lipsync_lang.reports.quality.figures import Figure, Finding
-from lipsync_lang.reports.quality.measured_scene import MeasuredScene, search
+from lipsync_lang.reports.quality.measured_scene import MeasuredScene
 from lipsync_lang.reports.quality.measures import (
     CONSTRAINT_TOLERANCE,
     FLICKER_SECONDS,
@@ -203,23 +203,21 @@ def silence(scene: MeasuredScene) -> Iterable[list[Figure]]:
         value = max over poses and pauses of (max w - min w)
     """
     room = scene.motion.silence_reach + 1 / scene.motion.speed_limit
-    sounds, times = scene.sounds, (scene.frame_line, scene.times)
-    line, names = scene.line[sounds], scene.face.names
+    sounds, names = scene.sounds, scene.face.names
+    line = scene.line[sounds]
     # a frame is quiet if as many sounds, with their room, have ended before it as have begun
-    begun = search((line, scene.begin[sounds] - room), times, "right")
-    ended = search((line, scene.end[sounds] + room), times)
-    first, stop = runs(begun == ended, scene.frames)
-    # `reduceat` folds from each cut to the next: every second span is a pause
-    cuts = np.column_stack((first, stop)).ravel()
-    padded = np.concatenate((scene.share, scene.share[:, -1:]), axis=1)
-    spread = np.maximum.reduceat(padded, cuts, axis=1) - np.minimum.reduceat(padded, cuts, axis=1)
+    begun = scene.passed(line, scene.begin[sounds] - room)
+    quiet = begun == scene.passed(line, scene.end[sounds] + room, "right")
+    first, stop = runs(quiet, scene.frames)
+    still, cuts = scene.share[:, quiet], np.cumsum(stop - first) - (stop - first)
+    spread = np.maximum.reduceat(still, cuts, axis=1) - np.minimum.reduceat(still, cuts, axis=1)
     parts = first.searchsorted(scene.frames).tolist()
     for start, past in pairwise(parts):
         if start == past:
             shown = f"no pause is longer than {2 * room:.2f} s"
             yield unjudged("the mouth may move in whole pauses" if isinf(room) else shown)
             continue
-        moved = spread[:, 2 * start : 2 * past : 2]
+        moved = spread[:, start:past]
         pose, pause = divmod(int(moved.argmax()), past - start)
         at = round(float(scene.times[first[start + pause]]), 4)
         what = f"{names[pose]} moves by {moved[pose, pause]:.2f}"

@@ -6,8 +6,8 @@ the character scales. They come from 170 sentences of a speaker of the GRID corp
 Cunningham and Shao, 2006) and from the lips of six actors, who open twice as far as he does.
 """
 
-from collections.abc import Callable, Iterable, Iterator
-from itertools import pairwise
+from collections.abc import Callable, Iterator
+from functools import partial, wraps
 from typing import NamedTuple
 
 import numpy as np
@@ -17,8 +17,8 @@ from lipsync_lang.reports.quality.curve_statistics import percentile
 from lipsync_lang.reports.quality.face_columns import SeenMouth
 from lipsync_lang.reports.quality.figures import Figure
 from lipsync_lang.reports.quality.likeness import LEAST_SOUNDS, LEAST_SPEECH_SECONDS
-from lipsync_lang.reports.quality.measured_scene import MeasuredScene, search
-from lipsync_lang.reports.quality.measures import measure, once, one, places, share, unjudged
+from lipsync_lang.reports.quality.measured_scene import MeasuredScene
+from lipsync_lang.reports.quality.measures import Find, measure, once, one, places, unjudged
 
 SLIT = 0.06
 """Aperture of lips that a viewer sees apart: 3 mm of a human mouth."""
@@ -39,7 +39,7 @@ WEAK_ROUNDING = 2.6
 """Times by which rounded lips narrow less than in film that a viewer sees as hardly round."""
 
 
-class _MeasuredMouth(NamedTuple):
+class _MeshMouth(NamedTuple):
     """The mouth of all lines."""
 
     seen: SeenMouth
@@ -49,18 +49,18 @@ class _MeasuredMouth(NamedTuple):
     """(T,)"""
     filmed: Floats
     """(n,) aperture of each phoneme in film; NaN if none is stated."""
-    meant: Floats
-    """(T,) the same of each frame; NaN outside of speech, too."""
-    lowest: Floats
-    """(n,) lowest aperture in the frames of each phoneme; NaN without frames."""
+    middle: Floats
+    """(n,) aperture in the middle of each phoneme."""
 
 
-FigureOf = Callable[[_MeasuredMouth, slice, slice], list[Figure]]
-"""Function of a mouth, and of the frames and the phonemes of a line."""
+Figures = Iterator[list[Figure]]
+
+FindSeen = Callable[[MeasuredScene, _MeshMouth, list[int]], Figures]
+"""Function of a scene, its mouth, and the lines that are judged; it yields the figures of each."""
 
 
 @once
-def _mouth(scene: MeasuredScene) -> _MeasuredMouth | str:
+def _mouth(scene: MeasuredScene) -> _MeshMouth | str:
     """Return the mouth, or the reason why it is not judged."""
     seen = scene.face.seen
     if seen is None:
@@ -69,29 +69,35 @@ def _mouth(scene: MeasuredScene) -> _MeasuredMouth | str:
         return "poses are shown one at a time"
     aperture, width = seen.gains[:2] @ scene.curves
     aperture, filmed = np.maximum(0.0, aperture), seen.apertures[scene.ids]
-    meant = np.where(scene.speaking, filmed[scene.owner], np.nan)
-    # The lowest is the highest of the opposite.
-    return _MeasuredMouth(seen, aperture, width, filmed, meant, -scene.highest(-aperture))
+    # The middle of a last sound may lie behind the last frame.
+    last = scene.frames[scene.line + 1] - 1
+    middles = np.minimum(scene.frame_at(scene.line, (scene.begin + scene.end) / 2), last)
+    return _MeshMouth(seen, aperture, width, filmed, aperture[middles])
 
 
-def _lines(
-    scene: MeasuredScene, figure_of: FigureOf, seconds: float = 0.0
-) -> Iterator[list[Figure]]:
-    """Yield a figure for each line with so many seconds of speech."""
-    mouth = _mouth(scene)
-    own = [slice(*one) for one in pairwise(scene.phonemes.tolist())]
-    lines = zip(scene.spans, own, scene.seconds, scene.spoken, strict=True)
-    for span, sounds, length, spoken in lines:
-        if isinstance(mouth, str):
-            yield unjudged(mouth)
-        elif length < seconds or not spoken:
-            yield unjudged(f"{length:.1f} s of speech are too short; statistics need {seconds:g} s")
-        else:
-            yield figure_of(mouth, span, sounds)
+def _on_mesh(seconds: float = 0.0) -> Callable[[FindSeen], Find]:
+    """Judge the mouth on the mesh alone, and only lines with so many seconds of speech."""
+
+    def judged(find: FindSeen) -> Find:
+        @wraps(find)
+        def figures(scene: MeasuredScene) -> list[list[Figure]]:
+            mouth = _mouth(scene)
+            if isinstance(mouth, str):
+                return [unjudged(mouth) for _ in scene.spans]
+            every = [*enumerate(zip(scene.seconds, scene.spoken, strict=True))]
+            lines = [line for line, (length, spoken) in every if spoken and length >= seconds]
+            found = dict(zip(lines, find(scene, mouth, lines), strict=True))
+            few = f"s of speech are too short; statistics need {seconds:g} s"
+            return [found.get(n) or unjudged(f"{length:.1f} {few}") for n, (length, _) in every]
+
+        return figures
+
+    return judged
 
 
 @measure("seen_opening", "times", limit=2.3)
-def seen_opening(scene: MeasuredScene) -> Iterable[list[Figure]]:
+@_on_mesh(LEAST_SPEECH_SECONDS)
+def seen_opening(scene: MeasuredScene, mouth: _MeshMouth, lines: list[int]) -> Figures:
     """Times by which the mouth opens farther, or less far, on the mesh than in film.
 
     The sounds of the line say how far filmed people open it. Actors open twice as far as others,
@@ -102,23 +108,21 @@ def seen_opening(scene: MeasuredScene) -> Iterable[list[Figure]]:
         ours, film = 95th percentiles over frames of speech of the aperture
         value = max(ours / film, 1.3 * film / ours)
     """
-
-    def figure_of(mouth: _MeasuredMouth, span: slice, _: slice) -> list[Figure]:
-        filmed = mouth.meant[span]
-        known = np.isfinite(filmed)
-        meant = filmed[known]
-        if not meant.max(initial=0.0) > SLIT:
-            return unjudged("no sound of the line opens the mouth")
-        both = mouth.aperture[span][known], meant
-        ours, film = (round(percentile(part, 95), 4) for part in both)
+    known = scene.speaking & np.isfinite(mouth.filmed)[scene.owner]
+    aperture, meant = mouth.aperture[known], mouth.filmed[scene.owner[known]]
+    parts = scene.frames_of(known)
+    for part in map(parts.__getitem__, lines):
+        if not meant[part].max(initial=0.0) > SLIT:
+            yield unjudged("no sound of the line opens the mouth")
+            continue
+        ours, film = (round(percentile(every[part], 95), 4) for every in (aperture, meant))
         ratio = max(ours, NO_MOVEMENT) / max(film, SLIT)
-        return one(max(ratio, MUMBLING / ratio), {"opening": ours, "film": film})
-
-    return _lines(scene, figure_of, LEAST_SPEECH_SECONDS)
+        yield one(max(ratio, MUMBLING / ratio), {"opening": ours, "film": film})
 
 
 @measure("seen_flaps", "of consonants", limit=0.25)
-def seen_flaps(scene: MeasuredScene) -> Iterable[list[Figure]]:
+@_on_mesh()
+def seen_flaps(scene: MeasuredScene, mouth: _MeshMouth, lines: list[int]) -> Figures:
     """Consonants that open the mouth on the mesh far more than in film.
 
     Shapes of consonants that open the mouth as far as vowels do make it flap. Actors pass the
@@ -126,16 +130,15 @@ def seen_flaps(scene: MeasuredScene) -> Iterable[list[Figure]]:
 
         value = consonants with an aperture of 0.1 * reach more than in film / consonants
     """
-    return _off(
-        scene,
-        lambda mouth: mouth.seen.consonants,
-        lambda ours, film, reach: ours - film > FLAP * reach,
-        "consonants",
-    )
+    meant = mouth.seen.consonants[scene.ids] & np.isfinite(mouth.filmed)
+    marks = meant, meant & (mouth.middle - mouth.filmed > FLAP * mouth.seen.reach)
+    few = f"fewer than {LEAST_SOUNDS} consonants"
+    return _shares(scene, lines, marks, partial(_beside_film, mouth), few)
 
 
 @measure("seen_slits", "of rounded vowels", limit=0.34)
-def seen_slits(scene: MeasuredScene) -> Iterable[list[Figure]]:
+@_on_mesh()
+def seen_slits(scene: MeasuredScene, mouth: _MeshMouth, lines: list[int]) -> Figures:
     """Rounded vowels that are nearly shut on the mesh.
 
     Shapes that push the lips out may shut them, too: a line is seen where a hole belongs. The
@@ -145,43 +148,41 @@ def seen_slits(scene: MeasuredScene) -> Iterable[list[Figure]]:
 
         value = rounded vowels with an aperture below 0.4 of that in film / rounded vowels
     """
-    return _off(
-        scene,
-        lambda mouth: np.isfinite(mouth.seen.rounded) & ~mouth.seen.consonants,
-        lambda ours, film, _: ours < SLIT_SHARE * film,
-        "vowels that this face should round",
-    )
+    rounded = np.isfinite(mouth.seen.rounded) & ~mouth.seen.consonants
+    meant = rounded[scene.ids] & np.isfinite(mouth.filmed)
+    marks = meant, meant & (mouth.middle < SLIT_SHARE * mouth.filmed)
+    few = f"fewer than {LEAST_SOUNDS} vowels that this face should round"
+    return _shares(scene, lines, marks, partial(_beside_film, mouth), few)
 
 
-def _off(
+def _beside_film(mouth: _MeshMouth, number: int) -> str:
+    ours, film = mouth.middle[number], mouth.filmed[number]
+    return f"opens the mouth to {ours:.2f}; filmed people to {film:.2f}"
+
+
+def _shares(  # noqa: PLR0913, PLR0917 the sounds of a scene, and their words
     scene: MeasuredScene,
-    chosen: Callable[[_MeasuredMouth], Bools],
-    is_off: Callable[[Floats, Floats, float], Bools],
+    lines: list[int],
+    marks: tuple[Bools, Bools],
+    told: Callable[[int], str],
     few: str,
-) -> Iterator[list[Figure]]:
-    """Yield the share of chosen sounds whose aperture in the middle is off, beside the film's."""
-    frames = (scene.frame_line, scene.times)
-    middles = search(frames, (scene.line, (scene.begin + scene.end) / 2))
-
-    def figure_of(mouth: _MeasuredMouth, span: slice, own: slice) -> list[Figure]:
-        film = mouth.filmed[own]
-        meant = chosen(mouth)[scene.ids[own]] & np.isfinite(film)
-        if meant.sum() < LEAST_SOUNDS:
-            return unjudged(f"fewer than {LEAST_SOUNDS} {few}")
-        # The middle of a last sound may lie behind the last frame.
-        ours = mouth.aperture[np.minimum(middles[own], span.stop - 1)]
-        found = meant & is_off(ours, film, mouth.seen.reach)
-        told = {
-            own.start + n: f"opens the mouth to {ours[n]:.2f}; filmed people to {film[n]:.2f}"
-            for n in found.nonzero()[0].tolist()
-        }
-        return one(share(found[meant]), findings=places(scene, told))
-
-    return _lines(scene, figure_of)
+    least: int = LEAST_SOUNDS,
+) -> Figures:
+    """Yield the share of sounds with the first mark that have the second, (n,) each."""
+    meant, off = scene.counts(marks[0]).tolist(), marks[1].nonzero()[0]
+    wrong, parts = off.tolist(), scene.split(off)
+    for line in lines:
+        if meant[line] < least:
+            yield unjudged(few)
+            continue
+        own = wrong[parts[line]]
+        found = places(scene, {number: told(number) for number in own})
+        yield one(len(own) / meant[line], findings=found)
 
 
 @measure("seen_gaps", "of closures", limit=0)
-def seen_gaps(scene: MeasuredScene) -> Iterable[list[Figure]]:
+@_on_mesh()
+def seen_gaps(scene: MeasuredScene, mouth: _MeshMouth, lines: list[int]) -> Figures:
     """Sounds with shut lips whose lips stay apart on the mesh.
 
     Such sounds demand a contact, and shut the lips in film. At one frame, extended by half a frame,
@@ -189,22 +190,16 @@ def seen_gaps(scene: MeasuredScene) -> Iterable[list[Figure]]:
 
         value = sounds that stay above / such sounds
     """
-    asked = np.asarray(scene.demanded.any(axis=0))
-
-    def figure_of(mouth: _MeasuredMouth, _: slice, own: slice) -> list[Figure]:
-        meant = asked[own] & (mouth.filmed[own] == 0)
-        if not meant.any():
-            return unjudged("no sound of the line shuts the lips")
-        least = mouth.lowest[own]
-        apart = meant & ~(least <= SLIT)
-        told = {own.start + n: f"leaves the lips {least[n]:.2f} apart" for n in apart.nonzero()[0]}
-        return one(share(apart[meant]), findings=places(scene, told))
-
-    return _lines(scene, figure_of)
+    meant = np.asarray(scene.demanded.any(axis=0)) & (mouth.filmed == 0)
+    lowest = -scene.highest(-mouth.aperture)  # the highest of the opposite
+    marks = meant, meant & ~(lowest <= SLIT)
+    few = "no sound of the line shuts the lips"
+    return _shares(scene, lines, marks, lambda n: f"leaves the lips {lowest[n]:.2f} apart", few, 1)
 
 
 @measure("seen_width", "of the mouth", limit=0.36)
-def seen_width(scene: MeasuredScene) -> Iterable[list[Figure]]:
+@_on_mesh(LEAST_SPEECH_SECONDS)
+def seen_width(scene: MeasuredScene, mouth: _MeshMouth, lines: list[int]) -> Figures:
     """Range of the mouth's width on the mesh, at reach 1.
 
     The GRID speaker has 0.03 to 0.19 in a sentence, and 0.09 in all. Actors round up to four times
@@ -212,17 +207,15 @@ def seen_width(scene: MeasuredScene) -> Iterable[list[Figure]]:
 
         value = (95th - 5th percentile over frames of speech of the width) / max(reach, 1)
     """
-
-    def figure_of(mouth: _MeasuredMouth, span: slice, _: slice) -> list[Figure]:
-        width = mouth.width[span][scene.speaking[span]]
-        low, high = (round(percentile(width, share), 4) for share in (5, 95))
-        return one((high - low) / max(mouth.seen.reach, 1.0), {"low": low, "high": high})
-
-    return _lines(scene, figure_of, LEAST_SPEECH_SECONDS)
+    width, parts = mouth.width[scene.speaking], scene.frames_of(scene.speaking)
+    for part in map(parts.__getitem__, lines):
+        low, high = (round(percentile(width[part], share), 4) for share in (5, 95))
+        yield one((high - low) / max(mouth.seen.reach, 1.0), {"low": low, "high": high})
 
 
 @measure("seen_rounding", "times", limit=WEAK_ROUNDING)
-def seen_rounding(scene: MeasuredScene) -> Iterable[list[Figure]]:
+@_on_mesh()
+def seen_rounding(scene: MeasuredScene, mouth: _MeshMouth, lines: list[int]) -> Figures:
     """Times by which rounded lips narrow less on the mesh than in film.
 
     Sounds that push the lips out round them. The width in film is half-way between the GRID speaker
@@ -232,21 +225,22 @@ def seen_rounding(scene: MeasuredScene) -> Iterable[list[Figure]]:
         ours, film = means over rounded sounds of the farthest narrowing in their frames, at least 0
         value = film / ours
     """
-
-    def figure_of(mouth: _MeasuredMouth, _: slice, own: slice) -> list[Figure]:
-        film, ours = np.abs(mouth.seen.rounded[scene.ids[own]]), np.abs(narrow[own])
-        meant = np.isfinite(film) & np.isfinite(ours)
-        if meant.sum() < LEAST_SOUNDS:
-            return unjudged(f"fewer than {LEAST_SOUNDS} sounds that this face should round")
-        ratios = film / np.maximum(ours, NO_MOVEMENT)
+    film = np.abs(mouth.seen.rounded[scene.ids])
+    ours = np.abs(scene.highest(np.maximum(0, -mouth.width)))
+    numbers = (np.isfinite(film) & np.isfinite(ours)).nonzero()[0]
+    film, ours, parts = film[numbers], ours[numbers], scene.split(numbers)
+    weak = film / np.maximum(ours, NO_MOVEMENT) > WEAK_ROUNDING
+    for part in map(parts.__getitem__, lines):
+        count = part.stop - part.start
+        if count < LEAST_SOUNDS:
+            yield unjudged(f"fewer than {LEAST_SOUNDS} sounds that this face should round")
+            continue
+        rows = (row[part].tolist() for row in (weak, numbers, ours, film))
         told = {
-            own.start + n: f"narrows the mouth by {ours[n]:.2f}; filmed people by {film[n]:.2f}"
-            for n in np.flatnonzero(meant & (ratios > WEAK_ROUNDING)).tolist()
+            number: f"narrows the mouth by {own:.2f}; filmed people by {meant:.2f}"
+            for is_weak, number, own, meant in zip(*rows, strict=True)
+            if is_weak
         }
-        means = [round(float(each[meant].mean()), 4) for each in (ours, film)]
-        parts = dict(zip(("narrowing", "film"), means, strict=True))
-        return one(means[1] / max(means[0], NO_MOVEMENT), parts, places(scene, told))
-
-    mouth = _mouth(scene)
-    narrow = np.empty(0) if isinstance(mouth, str) else scene.highest(np.maximum(0, -mouth.width))
-    return _lines(scene, figure_of)
+        narrowing, filmed = (round(each[part].sum().item() / count, 4) for each in (ours, film))
+        ratio = filmed / max(narrowing, NO_MOVEMENT)
+        yield one(ratio, {"narrowing": narrowing, "film": filmed}, places(scene, told))

@@ -114,6 +114,7 @@ class Notation:
     _exact: dict[str, Value] = field(init=False, repr=False, default_factory=dict)
     _folded: dict[str, Value] = field(init=False, repr=False, default_factory=dict)
     _silent: frozenset[str] = field(init=False, repr=False, default=frozenset())
+    _quiet: dict[str, bool] = field(init=False, repr=False, default_factory=dict)
     _seen: dict[str, Value | None] = field(init=False, repr=False, default_factory=dict)
     _alike: dict[str, Value | None] = field(init=False, repr=False, default_factory=dict)
     _marked: dict[str, int | None] = field(init=False, repr=False, default_factory=dict)
@@ -221,7 +222,9 @@ class Notation:
 
     def is_silence(self, label: str) -> bool:
         """Return True if a label is a spelling of silence."""
-        return normalise(label).casefold() in self._silent
+        if label not in self._quiet:
+            self._quiet[label] = normalise(label).casefold() in self._silent
+        return self._quiet[label]
 
     def suggest(self, label: str) -> str:
         """Return a hint for a label missing from the table."""
@@ -247,8 +250,10 @@ def recognise(labels: Iterable[str], notations: Mapping[str, Notation]) -> str:
         stated = sum(n for label, n in sounds if notation.stated(label) is not None)
         return stated, sum(n for label, n in sounds if notation.find(label) is not None)
 
-    every = notations.values()
-    most = sum(n for label, n in spoken.items() if not all(one.is_silence(label) for one in every))
+    mute = [*spoken]
+    for one in notations.values():  # after the first, hardly any is left
+        mute = [*filter(one.is_silence, mute)]
+    most = spoken.total() - sum(spoken[label] for label in mute)
     found: dict[str, tuple[int, int]] = {}
     for name in notations:
         found[name] = known(name)
