@@ -108,7 +108,7 @@ def seen_opening(scene: MeasuredScene, mouth: _MeshMouth, lines: list[int]) -> F
         ours, film = 95th percentiles over frames of speech of the aperture
         value = max(ours / film, 1.3 * film / ours)
     """
-    known = scene.speaking & np.isfinite(mouth.filmed)[scene.owner]
+    known = np.isfinite(mouth.filmed)[scene.owner]
     aperture, meant = mouth.aperture[known], mouth.filmed[scene.owner[known]]
     parts = scene.frames_of(known)
     for part in map(parts.__getitem__, lines):

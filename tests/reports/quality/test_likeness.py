@@ -15,6 +15,7 @@ from lipsync_lang.performing.performer import PerformedLine
 from lipsync_lang.reports.quality import curve_statistics as statistics
 from lipsync_lang.reports.quality.baselines import BASELINES
 from lipsync_lang.reports.quality.check_animation import check
+from lipsync_lang.reports.quality.face_columns import face_of
 from lipsync_lang.reports.quality.measured_scene import scene_of
 
 LINES = {
@@ -173,6 +174,8 @@ def test_a_long_vowel_may_hold_its_shape_and_a_short_one_may_not():
     short = check(moving(shelf, seconds=0.2))["shelves"]
     assert not short.passed
     assert "stands still in AA" in short.findings[0].what
+    sounds = [int(one.at / 0.2) for one in short.findings]
+    assert len(sounds) == len(set(sounds)) > 1
 
 
 def test_rounding_that_starts_with_its_sound_is_late():
@@ -209,6 +212,18 @@ def test_a_jaw_that_opens_late_after_labials_lags():
     here = check(replace(animation, weights=late))["opening_lag"]
     assert not here.passed
     assert "opens the mouth 0.0" in here.findings[0].what
+    # The crossing of the level, read backwards from the widest frame of each sound.
+    aperture = np.maximum(0, late @ face_of(animation, performer()).seen.gains[0])
+    level, times = 0.1 * statistics.peak(aperture), animation.times
+    for one in here.findings:
+        sound = animation.schedule.times.round(4).tolist().index(one.at)
+        within = (times >= one.at - 1e-3) & (times < animation.schedule.times[sound + 1])
+        top = np.flatnonzero(within)[aperture[within].argmax()]
+        low = np.flatnonzero(aperture[:top] <= level)[-1]
+        crossed = np.interp(level, aperture[low : low + 2], times[low : low + 2])
+        assert f" {crossed - animation.schedule.times[sound]:.3f} s late" in one.what
+    open_before = np.maximum(late, 0.9 * (np.arange(len(performer().poses)) == jaw))
+    assert check(replace(animation, weights=open_before))["opening_lag"].value == 0
 
 
 # The motion of today passes, that of yesterday does not

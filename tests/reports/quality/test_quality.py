@@ -716,6 +716,7 @@ def test_lines_that_are_judged_at_once_have_the_figures_of_each_alone():
         Schedule(("_", "AA", "_"), [0, 0.5, 1.5, 2], notation="arpabet"),
         Schedule(("_",), [0, 1.5], notation="arpabet"),
         Schedule(("P", "AA", "P"), [0, 0.02, 0.03, 0.05], notation="arpabet"),
+        Schedule(("K", "AA", "T", "IY", "S", "OW", "F"), np.arange(8) * 0.13, notation="arpabet"),
     ]
     for name in POSESETS:
         face = performer(name)
@@ -726,6 +727,8 @@ def test_lines_that_are_judged_at_once_have_the_figures_of_each_alone():
             replace(made[1], times=made[1].times[a:b], weights=made[1].weights[a:b])
             for a, b in ((20, 50), (0, 40), (30, 32), (25, 45))
         ]
+        # the wrong poses, so that most measures find something, and not the same in all lines
+        made += [replace(one, weights=np.roll(one.weights, 1, axis=1)) for one in made]
         assert check_all(made, face) == [check(one) for one in made]
 
 
