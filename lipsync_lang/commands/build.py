@@ -318,7 +318,7 @@ def _report(
     gone = [path for _, outputs in outcome.plan.gone for path in outputs]
     figures = {
         "lines": len(project.lines),
-        "built": sum(not one.failed for one in outcome.built.values()),
+        "built": sum(one.verdict != "failed" for one in outcome.built.values()),
         "current": len(outcome.plan.steps) - len(outcome.plan.stale),
         "failed": tally.failed,
         "over_limits": tally.over,

@@ -81,7 +81,7 @@ def report(
     named = "name" in project.project.model_fields_set
     heading = BuildHeading(
         project.project.name if named else project.folder.name,
-        sum(not one.failed for one in outcome.built.values()),
+        sum(one.verdict != "failed" for one in outcome.built.values()),
         len(outcome.plan.steps) - len(outcome.plan.stale),
         tuple(outcome.kept),
         outcome.seconds,

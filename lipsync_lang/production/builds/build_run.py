@@ -8,6 +8,7 @@ from functools import cache, partial
 from multiprocessing import parent_process
 from pathlib import Path
 from shutil import copyfileobj, rmtree
+from sys import intern
 from time import monotonic, sleep
 from typing import Any
 
@@ -22,7 +23,13 @@ from lipsync_lang.production.builds.making import LineBatch, LineMaker, MadeLine
 from lipsync_lang.production.builds.needs import PairNeeds
 from lipsync_lang.production.builds.planned_line import BuiltLine, PlannedLine
 from lipsync_lang.production.builds.planning import BuildPlan, Needs, PlannedStep
-from lipsync_lang.production.builds.records import RECORD_CURE, Records, record_folder
+from lipsync_lang.production.builds.records import (
+    RECORD_CURE,
+    Key,
+    LineRecord,
+    Records,
+    record_folder,
+)
 from lipsync_lang.production.builds.timing import prune_timings
 from lipsync_lang.production.builds.workers import LostBatch, run_batches
 
@@ -62,8 +69,8 @@ class BuildOutcome:
 
     plan: BuildPlan
     records: Records
-    built: dict[tuple[str, str, str], CountedLine] = field(default_factory=dict)
-    """Lines made by this build, by key; their records have the rest of them."""
+    built: dict[Key, LineRecord] = field(default_factory=dict)
+    """Lines made by this build, by key, with their figures alone."""
     kept: list[str] = field(default_factory=list)
     """Outputs that were kept, because a person changed them."""
     remarks: dict[str, None] = field(default_factory=dict)
@@ -74,21 +81,13 @@ class BuildOutcome:
         """Yield every line of the project as it stands; the record is open while they are used."""
         lacking = self.records.lacking()
         for step in self.plan.steps:
-            key, record = step.line.key, step.record
-            made = self.built.get(key)
-            if made is not None:
-                yield made
-            elif record is not None:
+            key = step.line.key
+            record = self.built.get(key, step.record)
+            if record is not None:
                 figures = record.confidence, record.heading, record.figures
                 whole = partial(self._restored, step.line, figures)
                 failed = record.verdict == "failed"
                 yield CountedLine(step.line, failed, *figures, whole, key in lacking)
-
-    def add(self, built: BuiltLine) -> None:
-        """Count a line that was made and recorded."""
-        made = CountedLine.of(built)
-        whole = partial(self._restored, built.line, made[2:5])
-        self.built[built.line.key] = made._replace(whole=whole)
 
     def _restored(self, line: PlannedLine, figures: Sequence[Any]) -> BuiltLine:
         return restored(line, figures, self.records.result(line.key))
@@ -179,16 +178,19 @@ def make(  # noqa: PLR0913 a plan, workers and callbacks
             results: Sequence[MadeLine]
             if isinstance(found, LostBatch):
                 results = [
-                    MadeLine(BuiltLine(line, "failed", f"{line.place}: {found.message}"))
+                    MadeLine.of(BuiltLine(line, "failed", f"{line.place}: {found.message}"))
                     for line in found.batch.lines
                 ]
             else:
                 results = found
             outcome.kept += keeper.keep(results)
             for one in results:
-                outcome.add(one.built)
+                # One heading for all lines of a pair, and no text that only the record needs.
+                heading = intern(one.record.heading)
+                small = one.record._replace(heading=heading, contents="", result="")
+                outcome.built[one.key] = small
                 outcome.remarks |= dict.fromkeys(one.remarks)
-                _tell_line(tell, one.built, keeper.steps[one.built.line.key])
+                _tell_line(tell, one, keeper.steps[one.key])
             done += len(results)
             seconds = monotonic() - begun
             tell("progress", {"done": done, "of": len(stale), "seconds": round(seconds, 3)})
@@ -241,24 +243,24 @@ def _refuse_full(results: Sequence[MadeLine], done: int, of: int) -> None:
     fatal = next((one for one in results if one.fatal), None)
     if fatal is not None:
         raise OutputError(
-            f"{fatal.built.message}; {done} of {of} lines were tried, and finished lines are "
+            f"{fatal.message}; {done} of {of} lines were tried, and finished lines are "
             "recorded: build again then"
         )
 
 
-def _tell_line(tell: Tell, built: BuiltLine, step: PlannedStep) -> None:
-    line = built.line
+def _tell_line(tell: Tell, made: MadeLine, step: PlannedStep) -> None:
+    line = step.line
     tell(
         "line",
         {
             "language": line.language,
             "character": line.character,
             "name": line.name,
-            "outcome": built.outcome,
-            "message": built.message,
+            "outcome": "failed" if made.record.verdict == "failed" else "built",
+            "message": made.message,
             "reasons": list(step.reasons),
-            "failed": [figure.name for figure in built.failed],
-            "left_out": list(built.left_out),
+            "failed": list(made.failed),
+            "left_out": list(made.left_out),
             "place": line.place,
         },
     )

@@ -17,8 +17,6 @@ from lipsync_lang.production.builds.records import (
     LineRecord,
     OutputRecord,
     Records,
-    as_json,
-    packed_figures,
     unpacked_figures,
     unusable,
 )
@@ -53,8 +51,7 @@ class OutputKeeper:
         kept: list[str] = []
         standing = StandingOutputs(self.folder)
         for one in made:
-            step = self.steps[one.built.line.key]
-            outputs = self.records.outputs(one.built.line.key)
+            step, outputs = self.steps[one.key], self.records.outputs(one.key)
             for file in one.files:
                 # Again, since the plan is older: somebody may have written the file meanwhile.
                 stands = standing.digest(file.path) if file.path in step.unknown else ""
@@ -70,12 +67,9 @@ class OutputKeeper:
                     self._moves.append((file.temporary, self.folder / file.path))
                 else:
                     self._members.setdefault(split[0], {})[split[1]] = Path(file.temporary)
-            built = one.built
-            notes = [(figure.at, figure.words) for figure in built.figures]
-            result = as_json((built.outcome, built.message, built.seconds, notes, built.left_out))
-            known = step.inputs, as_json(one.contents), self.records.packed(one.needs), outputs
-            judged = built.verdict, built.confidence, *packed_figures(built.figures)
-            self._rows.append((built.line.key, LineRecord(*known, *judged, result)))
+            needs = self.records.packed(one.needs)
+            whole = one.record._replace(inputs=step.inputs, needs=needs, outputs=outputs)
+            self._rows.append((one.key, whole))
         if not self._members or len(self._rows) >= MAX_WAITING_LINES:
             self.flush()
         return kept

@@ -13,7 +13,7 @@ from functools import partial
 from io import BytesIO
 from pathlib import Path
 from stat import S_ISDIR
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any, BinaryIO, NamedTuple, Self
 from zlib import crc32
 
 from lipsync_lang.animations.animation import Animation, ExportSettings
@@ -36,6 +36,7 @@ from lipsync_lang.production.builds.planned_line import (
     PlannedLine,
     recorded_path,
 )
+from lipsync_lang.production.builds.records import Key, LineRecord, as_json, packed_figures
 from lipsync_lang.production.builds.timing import (
     TIMERS,
     ScheduleOrError,
@@ -53,6 +54,8 @@ MAX_FINDINGS = 3
 
 FULL = frozenset((errno.ENOSPC, errno.EDQUOT))
 """Errors of a full disk."""
+
+NO_FILES: Mapping[str, str] = {}
 
 TIMING_DOUBT = "doubt of timings"
 """Figure of an aligned line: 1 minus its confidence."""
@@ -84,17 +87,31 @@ class MadeFile(NamedTuple):
 
 @dataclass(frozen=True)
 class MadeLine:
-    """A line from a worker."""
+    """A line from a worker, packed there: its figures would take long to travel as objects."""
 
-    built: BuiltLine
+    key: Key
+    record: LineRecord
+    """Its record, without the inputs, needs and outputs that the build adds."""
+    message: str
+    failed: tuple[str, ...]
+    """Names of the figures that exceed limits of the project."""
+    left_out: tuple[str, ...]
     files: tuple[MadeFile, ...] = ()
-    contents: Mapping[str, str] = field(default_factory=dict)
-    """Digest of each source file, by path."""
     needs: Mapping[str, bytes] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
     """Remarks of the writers on the character's model and channels, and on words left out."""
     fatal: bool = False
     """True if the disk or the folder refuses every other line, too."""
+
+    @classmethod
+    def of(cls, built: BuiltLine, contents: Mapping[str, str] = NO_FILES, **rest: Any) -> Self:
+        """Pack a line; `contents` has the digest of each source file, by path."""
+        failed = tuple(one.name for one in built.failed)
+        notes = [(figure.at, figure.words) for figure in built.figures]
+        result = as_json((built.outcome, built.message, built.seconds, notes, built.left_out))
+        judged = built.verdict, built.confidence, *packed_figures(built.figures)
+        record = LineRecord("", as_json(contents), b"", {}, *judged, result)
+        return cls(built.line.key, record, built.message, failed, built.left_out, **rest)
 
 
 @dataclass(frozen=True)
@@ -281,7 +298,8 @@ class LineMaker:
             figures,
             schedule.left_out,
         )
-        return MadeLine(built, tuple(files), contents, needs, tuple(remarks))
+        more = {"files": tuple(files), "needs": needs, "remarks": tuple(remarks)}
+        return MadeLine.of(built, contents, **more)
 
     def _failed(self, line: PlannedLine, error: Exception) -> MadeLine:
         """Return a line with the reason why it failed, and its place."""
@@ -301,7 +319,7 @@ class LineMaker:
             why = f"an internal error stopped it ({type(error).__name__}: {error})"
             message = f"{line.place}: {why}; report the line"
         fatal = bool(locked) or (isinstance(error, OSError) and error.errno in FULL)
-        return MadeLine(BuiltLine(line, "failed", message), fatal=fatal)
+        return MadeLine.of(BuiltLine(line, "failed", message), fatal=fatal)
 
     def _write(self, line: PlannedLine, animation: Animation, files: list[MadeFile]) -> None:
         for name, path in line.outputs:

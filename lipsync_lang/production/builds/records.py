@@ -257,8 +257,13 @@ def from_json(text: Any, kind: type = dict) -> Any:
 def packed_figures(figures: Sequence[JudgedFigure]) -> tuple[str, bytes]:
     """Return name, unit and binding of figures as JSON, and bytes of their values and limits."""
     numbers = [one.value for one in figures], [one.limit for one in figures]
-    heading = as_json([(one.name, one.unit, one.binding) for one in figures])
-    return intern(heading), np.array(numbers, "<f8").tobytes()  # None is not a number
+    heading = _heading(tuple([(one.name, one.unit, one.binding) for one in figures]))
+    return heading, np.array(numbers, "<f8").tobytes()  # None is not a number
+
+
+@lru_cache(64)
+def _heading(heads: tuple[tuple[str, str, bool], ...]) -> str:
+    return intern(as_json(heads))
 
 
 def unpacked_figures(
