@@ -24,7 +24,7 @@ from lipsync_lang.production.builds.archives import rewrite
 from lipsync_lang.production.builds.build_tally import BuildTally
 from lipsync_lang.production.builds.making import LineBatch
 from lipsync_lang.production.builds.project_build import ProjectBuild
-from lipsync_lang.production.builds.records import NEED, Records
+from lipsync_lang.production.builds.records import NEED, Records, as_json
 from lipsync_lang.production.builds.workers import LostBatch
 
 ALL = sorted(SOUNDS)
@@ -413,6 +413,23 @@ def test_a_worker_that_outlives_a_build_makes_lost_folders_again(game):
     rmtree(game.folder / "takes")
     (game.folder / "takes").symlink_to(game.folder.parent)
     assert {made.record.verdict for made in maker(batch, pairs)} == {"failed"}
+
+
+def test_a_worker_sends_packed_lines_and_the_build_records_them_as_they_came(game):
+    project = ProjectBuild.open()
+    batch = LineBatch("english", ("facefx",), tuple(project.lines))
+    made = project.maker(batch, {"facefx": project.pairs["english", "facefx"]})
+    sent = pickle.dumps(made)
+    assert b"LineRecord" in sent
+    # Thirty objects a line: to read them took the build a third of its time with two workers.
+    assert not any(name in sent for name in (b"JudgedFigure", b"BuiltLine", b"PlannedLine"))
+    assert game.build().built == ALL
+    with Records.open(game.folder, write=False) as records:
+        for key, known in (row for block in records.blocks() for row in block):
+            (came,) = (one.record for one in made if one.key == key)
+            added = {"inputs": "", "needs": b"", "outputs": {}, "result": came.result, "at": 0}
+            assert known._replace(**added) == came
+            assert as_json(records.result(key)) == came.result
 
 
 def test_outputs_of_removed_lines_are_named_and_pruned_on_request(built):
