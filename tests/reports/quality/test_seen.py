@@ -89,6 +89,17 @@ def test_consonants_that_open_as_far_as_vowels_fail_and_are_named(judged, monkey
     )
 
 
+def test_lines_at_once_have_the_shares_of_each_alone(judged, monkeypatch, tmp_path):
+    for shape in FLAPPING:
+        monkeypatch.setitem(face_models.OPENINGS, shape, 0.4)
+    texts = LABELS, "K AA N IY T OW F AA"
+    alone = [judged(OCULUS, "oculus", "mouth: declared\n", text) for text in texts]
+    performer = ll.resolve("english", "anna", paths=[tmp_path])
+    both = check_all([performer.perform(line(text), 60) for text in texts], performer)
+    assert both == alone
+    assert len({one["seen_flaps"].value for one in both} - {0}) == len(texts)
+
+
 def test_lips_that_stay_apart_fail_although_the_weights_close_them(judged, monkeypatch):
     monkeypatch.setitem(face_models.OPENINGS, "viseme_PP", 0.1)
     quality = judged(OCULUS, "oculus")
