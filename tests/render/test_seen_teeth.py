@@ -158,6 +158,35 @@ def test_fast_sibilants_shut_the_jaw_between_vowels_and_a_glide_with_the_tongue_
     assert [label for label, weight in low if weight > 0.09] == ["j"]
 
 
+def test_human_heads_keep_a_last_m_shut_the_lips_of_s_low_and_the_tongue_of_th_out():
+    said = (*map(tuple, map(str.split, ("s w ɪ m", "θ ɪ n", "l ɔː"))),)
+    schedule = spoken(said, SOUND)
+    animation = ll.resolve("english", "arkit").perform(schedule, fps=120)
+
+    def at(number, pose, share=0.5):
+        start, end = schedule.times[number : number + 2]
+        weights = animation.weights[:, animation.poses.index(pose)]
+        return np.interp(start + share * (end - start), animation.times, weights)
+
+    last, tongue, low, round_ = (schedule.labels.index(one) for one in ("m", "θ", "s", "ɔː"))
+    assert at(last, "jawOpen", 1) < 0.02
+    assert at(tongue, "tongueOut") > 0.44 > at(tongue + 1, "tongueOut")
+    assert at(low, "mouthUpperUpLeft") < 0.15 < at(low, "mouthLowerDownLeft")
+    assert at(round_, "jawOpen") > 0.3, "the rows of teeth are apart behind a round mouth"
+
+
+def test_a_short_front_rounded_vowel_between_an_m_and_teeth_parts_the_jaw_in_its_pucker():
+    schedule = spoken((("m", "ʏ", "ts", "ə", "n"),), FAST)
+    animation = ll.resolve("german", "arkit").perform(schedule, fps=120)
+    now = schedule.times[[2, 3]].mean()
+    jaw, pucker = (
+        np.interp(now, animation.times, animation.weights[:, animation.poses.index(pose)])
+        for pose in ("jawOpen", "mouthPucker")
+    )
+    assert jaw > 0.15
+    assert pucker > 0.32
+
+
 def test_rounded_consonants_of_the_shipped_head_look_rounded_from_the_front():
     for word, sound, found in seen("facefx", ROUNDED, "english"):
         if sound in {"ʃ", "tʃ", "dʒ", "ʒ", "ɹ", "ɜː", "w"}:

@@ -171,7 +171,9 @@ def make_head(model: FaceModel, wish: HeadWish) -> MadeHead:
     model = FaceModel(model.folder, _colored(model.recipe, wish.colors))
     recipe, neutral = model.recipe, model.neutral
     shift = model.identity(wish.identities, wish.seed)
-    shapes = {**model.shapes(), **_tongue_shapes(model)}
+    shapes = model.shapes()
+    for name, moved in _tongue_shapes(model).items():
+        shapes[name] = shapes.get(name, 0) + moved
     points = neutral.points + shift
     points += _shut(points, shapes, recipe["rest"])
     surface = _surfaces(model)
