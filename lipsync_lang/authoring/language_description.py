@@ -13,7 +13,7 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.pack_files import shown
 from lipsync_lang.resolver.nearest_phonemes import among, disagreements, reason_for
-from lipsync_lang.text.phonology.labels import normalise
+from lipsync_lang.text.phonology.labels import Value, normalise
 
 
 def describe(library: Library, pack: Pack[models.Language]) -> dict[str, Any]:
@@ -40,25 +40,14 @@ def describe(library: Library, pack: Pack[models.Language]) -> dict[str, Any]:
         "moves": ", ".join(f"{name} {value}" for name, value in moves.items()),
         "caveats": list(model.caveats),
         "sources": dict(model.text.sources) if model.text else {},
-        "notations": {
-            name: [
-                {
-                    "label": label,
-                    "common": " ".join(sounds.to),
-                    "example": model.examples.get(label, "") if number == 0 else "",
-                    "reason": (reasons if name == IPA else model.reasons).get(label, ""),
-                }
-                for label, sounds in table.items()
-            ]
-            for number, (name, table) in enumerate(model.notations.items())
-        },
-        "mouths": _mouths(model, library.common().model),
+        "notations": _notations(model, reasons),
+        "mouths": _mouths(model, common),
         "inventory": model.inventory.model_dump(mode="json") if model.inventory else None,
         "disagreements": [
             {
                 "label": row.label,
-                "common": " ".join(name for name, _ in row.common) or "(mute)",
-                "automatic": " ".join(name for name, _ in row.automatic) or "(mute)",
+                "common": _sounds(row.common),
+                "automatic": _sounds(row.automatic),
                 "reason": row.reason,
             }
             for row in disagreements(model, near, decided)
@@ -70,6 +59,26 @@ def describe(library: Library, pack: Pack[models.Language]) -> dict[str, Any]:
             "untested": _untested(trial, common),
         },
     }
+
+
+def _notations(model: models.Language, reasons: dict[str, str]) -> dict[str, list[dict[str, str]]]:
+    """Return the rows of each notation; `reasons` are those of IPA, and the first has examples."""
+    return {
+        name: [
+            {
+                "label": label,
+                "common": " ".join(sounds.to),
+                "example": model.examples.get(label, "") if number == 0 else "",
+                "reason": (reasons if name == IPA else model.reasons).get(label, ""),
+            }
+            for label, sounds in table.items()
+        ]
+        for number, (name, table) in enumerate(model.notations.items())
+    }
+
+
+def _sounds(value: Value) -> str:
+    return " ".join(name for name, _ in value) or "(mute)"
 
 
 def _mouths(model: models.Language, common: models.Phonemes) -> dict[str, list[dict[str, float]]]:

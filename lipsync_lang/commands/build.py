@@ -173,29 +173,18 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
     from lipsync_lang.production.builds.build_run import locked, make
     from lipsync_lang.production.builds.faces import write_faces
     from lipsync_lang.production.builds.keeping import prune
-    from lipsync_lang.production.builds.project_build import ProjectBuild, Selection, Shard
     from lipsync_lang.production.builds.records import Records
 
     teller = BuildTeller(as_events=options.json)
     teller.begin("reading the script")
-    shard = Shard.parse(options.shard) if options.shard else None
-    if shard and options.scheduler:
-        raise LipsyncError("--shard and --scheduler both spread the work; give one of them")
-    selection = Selection(
-        tuple(options.only), tuple(options.languages), tuple(options.characters), shard
-    )
+    project = _opened(options, remarks)
+    shard = project.selection.shard
     part = shard.name if shard else ""
-    project = ProjectBuild.open(
-        paths=options.path, selection=selection, tts=options.tts, remark=remarks, adapt=True
-    )
-    wipe()
     # Shards build at the same time, and would overwrite one report.
     stated = [shard.named(path) if shard else path for path in project.project.reports]
     reports = options.reports or [project.folder / path for path in stated]
     if options.watch:
         made.learn(project, reports)
-    for fault in project.unsound.values():
-        remarks(str(fault))
     # A dry run writes nothing, and may look at a project while it is built.
     lock = nullcontext() if options.dry_run else locked(project.folder, teller, part)
     with lock:
@@ -225,6 +214,25 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
     elif outcome.built or remarks.changed or not options.watch:
         tell_all(words)
     return SOUND if passed else FAULTS
+
+
+def _opened(options: Namespace, remarks: StandingRemarks) -> "ProjectBuild":
+    """Open the project for the lines that the options select, and tell its faults."""
+    from lipsync_lang.production.builds.project_build import ProjectBuild, Selection, Shard
+
+    shard = Shard.parse(options.shard) if options.shard else None
+    if shard and options.scheduler:
+        raise LipsyncError("--shard and --scheduler both spread the work; give one of them")
+    chosen = Selection(
+        tuple(options.only), tuple(options.languages), tuple(options.characters), shard
+    )
+    project = ProjectBuild.open(
+        paths=options.path, selection=chosen, tts=options.tts, remark=remarks, adapt=True
+    )
+    wipe()
+    for fault in project.unsound.values():
+        remarks(str(fault))
+    return project
 
 
 class BuildTeller:

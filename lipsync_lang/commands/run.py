@@ -3,7 +3,7 @@
 import os
 import sys
 from argparse import Namespace
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -24,6 +24,7 @@ from lipsync_lang.commands.registry import handler
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.animations.animation_writers import Writer
     from lipsync_lang.performing.performer import Performer
 
 
@@ -36,14 +37,11 @@ def run(options: Namespace) -> int:
     """Animate a line, and write it to all requested outputs."""
     from lipsync_lang.animations.animation import ExportSettings
     from lipsync_lang.animations.animation_writers import parse_output
-    from lipsync_lang.packs.finding import is_model
 
     error, lines = _keys(options.keys)
     writers = dict(map(parse_output, options.output))
     # With the list as given: in the dictionary, the second of two equal outputs hides the first.
     _refuse_same(options, [path for path, _ in map(parse_output, options.output)])
-    if options.beside and not options.plot:
-        raise LipsyncError("--beside draws a picture; name it with --plot FILE")
     if options.against and not any(writer.name == LINE_PAGE for writer in writers.values()):
         raise LipsyncError("--against needs a page; name it with -o line.html")
     performer = performer_for(options)
@@ -68,18 +66,7 @@ def run(options: Namespace) -> int:
         outputs[options.plot] = _plotting(options, animation.without_gestures())
     write_all(outputs)
     print(_summary(performer, spoken, list(outputs)), file=sys.stderr)
-    if options.schedule is None and performer.speaker.manner.weak:
-        print(performer.speaker.manner.weak, file=sys.stderr)
-    if is_model(options.character):
-        compiled = performer.compiled
-        rig = f" through rig {compiled.rig['name']}" if compiled.rig else ""
-        poses = f"performed with the poses of {compiled.poseset}{rig}"
-        print(f"{options.character}: {poses}", file=sys.stderr)
-    tell_all(_overriding(options, performer))
-    # a model without a bone or shape of gestures that nobody asked for is no cause for a remark
-    remarks = dict.fromkeys(r for writer in writers.values() for r in writer.remarks(spoken))
-    known = performer.compiled.report.idle
-    tell_all(as_options(remark) for remark in remarks if remark not in known)
+    tell_all(_remarks(options, performer, spoken, writers.values()))
     if options.check:
         from lipsync_lang.reports.quality.check_animation import check
 
@@ -105,6 +92,24 @@ def _against(
         own, same = options.model, performer.model
         found = {n: replace(t, model=own) if t.model == same else t for n, t in found.items()}
     return {n: t.cut() for n, t in found.items()} if options.cut else found
+
+
+def _remarks(
+    options: Namespace, performer: "Performer", spoken: "Animation", writers: "Iterable[Writer]"
+) -> Iterator[str]:
+    """Yield remarks on the language, the character and the files of a line."""
+    from lipsync_lang.packs.finding import is_model
+
+    compiled = performer.compiled
+    if options.schedule is None and performer.speaker.manner.weak:
+        yield performer.speaker.manner.weak
+    if is_model(options.character):
+        rig = f" through rig {compiled.rig['name']}" if compiled.rig else ""
+        yield f"{options.character}: performed with the poses of {compiled.poseset}{rig}"
+    yield from _overriding(options, performer)
+    # a model without a bone or shape of gestures that nobody asked for is no cause for a remark
+    remarks = dict.fromkeys(remark for writer in writers for remark in writer.remarks(spoken))
+    yield from (as_options(remark) for remark in remarks if remark not in compiled.report.idle)
 
 
 def _overriding(options: Namespace, performer: "Performer") -> Iterable[str]:
@@ -147,7 +152,9 @@ def _plotting(options: Namespace, animation: "Animation") -> Callable[[Any], Non
 
 
 def _refuse_same(options: Namespace, outputs: list[Path]) -> None:
-    """Refuse a file as the text, duplicate outputs, and outputs that overwrite an input."""
+    """Refuse a file as the text, idle options, and outputs that overwrite an input or another."""
+    if options.beside and not options.plot:
+        raise LipsyncError("--beside draws a picture; name it with --plot FILE")
     if options.text and Path(options.text).suffix and os.path.isfile(options.text):  # noqa: PTH113 any text
         raise LipsyncError(
             f"{options.text}: is a file, and TEXT is the text to say; `lipsync-lang new --from "

@@ -9,8 +9,10 @@ from pathlib import Path
 
 from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.packs.finding import Paths, folders_of
+from lipsync_lang.packs.models import Language
 from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces
 from lipsync_lang.performing.gesturing import GestureScales
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.reports.coverage.corpus import GestureTally, Pages, Reading, count, units
 from lipsync_lang.reports.coverage.report import Coverage
 from lipsync_lang.reports.coverage.report_figures import CountFigures, report_of
@@ -60,24 +62,7 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
     searched = {performer.language: performer.paths for performer, _ in pairs}
     packs = {name: Library(own).language(name).model for name, own in searched.items()}
     tallies = [GestureTally.of(replace(one, unknown="rest"), gestures) for one, _ in pairs]
-    readings: list[Reading] = []
-    keys: list[tuple[object, ...]] = []
-    reading_of: list[int] = []
-    for (performer, face), tally in zip(pairs, tallies, strict=True):
-        speakers = faces and {who for who, names in faces.stated.items() if face in names}
-        compiled = performer.compiled
-        # All that decides which bigrams the lines have; reading takes nearly all of the time.
-        played = compiled.report.trigrams.keys(), units(performer).tobytes()
-        key = compiled.manner, compiled.words, played, speakers
-        if key not in keys:  # pairs with equal counts share a reading
-            takes = None if faces is None else partial(_speaks, faces, face)
-            keys.append(key)
-            pack = packs[performer.language]
-            readings.append(Reading(performer, scripts_of(pack), takes, letters_of(pack)))
-        at = keys.index(key)
-        reading_of.append(at)
-        if tally is not None:
-            readings[at] = readings[at]._replace(tallies=(*readings[at].tallies, tally))
+    readings, reading_of = _shared(pairs, tallies, packs, faces)
     with closing(Pages()) as pages:
         corpus, counts = count(lines, readings, pages, faces)
         if not corpus.lines:
@@ -99,6 +84,34 @@ def coverage(  # noqa: PLR0913 two names, and options by keyword
         shared=shared_of([performer.report for performer, _ in pairs], reports),
         total=total_of(reports, minutes, weights),
     )
+
+
+def _shared(
+    pairs: Sequence[tuple[Performer, str]],
+    tallies: Sequence[GestureTally | None],
+    packs: Mapping[str, Language],
+    faces: SpeakerFaces | None,
+) -> tuple[list[Reading], list[int]]:
+    """Return the readings of lines, which pairs of equal counts share, and that of each pair."""
+    readings: list[Reading] = []
+    keys: list[tuple[object, ...]] = []
+    reading_of: list[int] = []
+    for (performer, face), tally in zip(pairs, tallies, strict=True):
+        speakers = faces and {who for who, names in faces.stated.items() if face in names}
+        compiled = performer.compiled
+        # All that decides which bigrams the lines have; reading takes nearly all of the time.
+        played = compiled.report.trigrams.keys(), units(performer).tobytes()
+        key = compiled.manner, compiled.words, played, speakers
+        if key not in keys:
+            takes = None if faces is None else partial(_speaks, faces, face)
+            keys.append(key)
+            pack = packs[performer.language]
+            readings.append(Reading(performer, scripts_of(pack), takes, letters_of(pack)))
+        at = keys.index(key)
+        reading_of.append(at)
+        if tally is not None:
+            readings[at] = readings[at]._replace(tallies=(*readings[at].tallies, tally))
+    return readings, reading_of
 
 
 def _names(given: str | Path | Iterable[str | Path]) -> list[str | Path]:
