@@ -29,7 +29,7 @@ def test_a_clone_becomes_a_head_that_speaks(tmp_path):
     assert "Permission is hereby granted" in read.document["asset"]["extras"]["license"]
     found = read_outs(read)
     assert found["jawOpen"].aperture > 0.4
-    assert found["mouthPucker"].width < -0.07  # and the tongue that it draws back leaves the lips to it
+    assert found["mouthPucker"].width < -0.07  # it moves the lips, and draws back the tongue
     assert found["tongueOut"].tongue_out > 0.3
     assert found["tongueOut"].tongue_up > 0.05  # it passes over the lower teeth
     assert found["tongueUp"].tongue_up > 0.1
