@@ -65,6 +65,7 @@ def _hearing(language: Pack[models.Language]) -> Hearing:
         stated.model and _beside(language, "model", f":{stated.model}").removeprefix(":"),
         stated.notation or "",
         dict(stated.phones),
+        dict(stated.also),
         stated.code or model.tag,
     )
 

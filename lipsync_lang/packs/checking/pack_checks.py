@@ -119,12 +119,13 @@ def _engines(language: Pack[models.Language]) -> Iterator[Fault]:
     if audio is None or audio.notation not in model.notations:
         return
     notation = notation_of(model, audio.notation)
-    for label, phones in audio.phones.items():
+    stated = [("phones", *item) for item in audio.phones.items()]
+    for field, label, phones in [*stated, *(("also", *item) for item in audio.also.items())]:
         for phone in phones:
             if notation.find(phone) is None:
                 what = f"'{phone}' is not in the notation '{audio.notation}'"
                 hint = notation.suggest(phone)
-                yield language.fault(("audio", "phones", label), "P218", what, hint)
+                yield language.fault(("audio", field, label), "P218", what, hint)
 
 
 def _similar_notations(language: Pack[models.Language]) -> Iterator[Fault]:

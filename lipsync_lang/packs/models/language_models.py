@@ -331,6 +331,8 @@ class AudioFields(Strict):
     phones: dict[Label, Annotated[tuple[Label, ...], OrOne]] = Field(default={})
     """The model's phones for labels written by `g2p`; other labels go to the phones that sound most
     like them (`hearing` in the pack of the IPA)."""
+    also: dict[Label, Annotated[tuple[Label, ...], OrOne]] = Field(default={})
+    """Other phones of labels that are said in two ways, such as whispered vowels."""
     code: Text | None = None
     """The language's code in Whisper, where it is not the first part of the tag."""
 

@@ -13,8 +13,8 @@ from lipsync_lang.text.phonology.g2p.spoken_forms import SpokenForms
 class Hearing:
     """The aligners and the recogniser for recordings of a language: `audio` of its pack.
 
-    `notation` is empty for that of the G2P. Labels without `phones` go by their sound. `code` is
-    the language's in Whisper, or its tag.
+    `notation` is empty for that of the G2P. Labels without `phones` go by their sound, and
+    those in `also` may have other ones. `code` is the language's in Whisper, or its tag.
     """
 
     align: tuple[str, ...] = ("pocketsphinx", "warp")
@@ -22,6 +22,7 @@ class Hearing:
     model: str | None = None
     notation: str = ""
     phones: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    also: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     code: str = ""
 
 
@@ -82,15 +83,18 @@ class Manner:
         settings["file"] = Path(settings["file"]) if settings["file"] else None
         settings["labels"] = tuple(settings["labels"])
         settings["whole"] = tuple((word, say) for word, say in settings["whole"])
-        audio = data["audio"]
-        phones = {label: tuple(names) for label, names in audio["phones"].items()}
+        audio = {**data["audio"]}
+        audio |= {
+            field: {label: tuple(names) for label, names in audio[field].items()}
+            for field in ("phones", "also")
+        }
         return cls(
             **{
                 **data,
                 "settings": Settings(**settings),
                 "voice": tuple(data["voice"]) if data["voice"] else None,
                 "words": {word: tuple(sounds) for word, sounds in data["words"].items()},
-                "audio": Hearing(**{**audio, "align": tuple(audio["align"]), "phones": phones}),
+                "audio": Hearing(**{**audio, "align": tuple(audio["align"])}),
                 "stress_digits": tuple(data["stress_digits"]),
                 "forms": SpokenForms.from_plain(data["forms"]),
                 "asides": tuple(data["asides"]),

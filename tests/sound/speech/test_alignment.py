@@ -20,7 +20,11 @@ from lipsync_lang.schedules import SILENCE
 from lipsync_lang.schedules.schedule import DOUBTFUL, OTHER_ORDER
 from lipsync_lang.sound.speech.hearing import alignment
 from lipsync_lang.sound.speech.hearing.align.aligners import ALIGNERS, BatchAligner
-from lipsync_lang.sound.speech.hearing.align.pocketsphinx_aligner import WordReader, unfit
+from lipsync_lang.sound.speech.hearing.align.pocketsphinx_aligner import (
+    MAX_WAYS,
+    WordReader,
+    unfit,
+)
 from lipsync_lang.sound.speech.hearing.alignment import (
     AlignmentAttempt,
     NamedAligner,
@@ -753,6 +757,7 @@ def test_options_that_have_nothing_to_do_are_refused(cli, tmp_path, monkeypatch,
     [
         ("{align: pocketsphinx, notation: arpabets}", r"P217 unknown notation 'arpabets'"),
         ("{notation: arpabet, phones: {æ: [AE, QQ]}}", r"P218 'QQ' is not in the notation"),
+        ("{notation: arpabet, also: {æ: [AE, QQ]}}", r"P218 'QQ' is not in the notation"),
         ("{aligns: warp}", r"P101 unknown field `aligns`"),
     ],
 )
@@ -811,6 +816,7 @@ def names_of(reader, label):
         ("japanese", "シ̥", ["SH"]),
         ("japanese", "ティ", ["T", "IY"]),
         ("japanese", "ヴァ", ["B", "AA"]),
+        ("japanese", "リ", ["D", "IY"]),
     ],
 )
 def test_a_label_of_any_language_is_heard_as_the_phones_that_sound_most_like_it(
@@ -829,9 +835,40 @@ def test_an_r_is_heard_as_an_english_flap_between_vowels_alone(text, phone):
     (read,) = speaker.transcripts([text])
     (saying,) = reader.sayings(read.words)
     names = [reader.models.model.names[number] for number in saying.ways[0]]
-    labels = [label for label, count in saying.spelled for _ in range(count)]
+    labels = [label for label, count in saying.spelled[0] for _ in range(count)]
     (at,) = (n for n, label in enumerate(labels) if label[0] in "rɾ")
     assert names[at] == phone
+
+
+def test_a_whispered_vowel_may_have_a_voice():
+    reader = reader_of(speaker := Speaker.of("japanese"))
+    (read,) = speaker.transcripts(["人"])
+    (saying,) = reader.sayings(read.words)
+    names = reader.models.model.names
+    ways = [" ".join(names[phone] for phone in way) for way in saying.ways]
+    assert ways == ["HH T AO", "HH IY T AO"]
+    # each of them has the same labels
+    for way, spelled in zip(saying.ways, saying.spelled, strict=True):
+        assert [label for label, _ in spelled] == ["ヒ̥", "ト"]
+        heard = [HeardPhoneme(0, p, 9 * n, 9 * n + 9, -1.0) for n, p in enumerate(way)]
+        found = timed_labels(reader.models, heard, [saying], 0.09 * len(way))
+        assert found.labels == ("ヒ̥", "ト")
+        assert found.times[1] == pytest.approx(0.09 * (len(way) - 2), abs=0.02)
+
+
+def test_the_voice_of_kana_is_found_where_a_vowel_is_written_as_whispered():
+    known = ll.speak("すべての人は、思想の自由を享有する。", "japanese")
+    found = ll.align(known.audio, "すべての人は、思想の自由を享有する。", "japanese")
+    starts = [word.start for word in known.words]
+    assert [word.start for word in found.words] == pytest.approx(starts, abs=0.05)
+
+
+def test_a_word_has_a_limited_number_of_pronunciations():
+    reader = reader_of(speaker := Speaker.of("japanese"))
+    (read,) = speaker.transcripts(["人"])
+    (word,) = read.words
+    (saying,) = reader.sayings([word._replace(labels=word.labels[:1] * 30)])
+    assert len(saying.ways) == MAX_WAYS
 
 
 def test_a_pack_says_better_how_a_label_is_heard(tmp_path, monkeypatch):

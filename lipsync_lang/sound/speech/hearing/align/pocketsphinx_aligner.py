@@ -6,7 +6,7 @@ package selects the most likely variant and its times.
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property, partial
-from itertools import repeat
+from itertools import chain, islice, product, repeat
 
 from lipsync_lang.base.errors import SpeechError, shortlist
 from lipsync_lang.packs.finding import IPA
@@ -36,13 +36,16 @@ from lipsync_lang.sound.speech.speaking.transcripts import SureText, Transcript
 from lipsync_lang.text.phonology.emphasis import touched
 from lipsync_lang.text.phonology.g2p.g2p_engines import SpokenWord
 from lipsync_lang.text.phonology.g2p.tokens import plain
-from lipsync_lang.text.phonology.labels import Notation
+from lipsync_lang.text.phonology.labels import Notation, Value
 
 MAX_HEARD_FRAMES = 15 * SPEECH_RATE // HOP_SAMPLES
 """Length of the part of a recording that is recognised to say what was heard."""
 
 MAX_SHOWN_TEXT = 60
 """Maximum characters of a text in a message."""
+
+MAX_WAYS = 8
+"""Most pronunciations of a word whose labels are said in two ways."""
 
 MIN_AGREEMENT = 0.12
 """Share of phonemes borne out by the sound that chance alone reaches."""
@@ -166,11 +169,14 @@ class WordReader:
         self.typical = {
             value: name for name, value in reversed([*ipa.table.items()] if ipa else [])
         }
-        self.stated = Notation(
-            {
-                label: tuple((name, 1 / len(names)) for name in names)
-                for label, names in manner.audio.phones.items()
-            }
+        self.stated, self.others = (
+            Notation(
+                {
+                    label: tuple((name, 1 / len(names)) for name in names)
+                    for label, names in phones.items()
+                }
+            )
+            for phones in (manner.audio.phones, manner.audio.also)
         )
         joined = [s.text.split() for one in transcripts for s in one.words if _is_joined(s)]
         parts = sorted({part for texts in joined for part in texts})
@@ -207,10 +213,17 @@ class WordReader:
             return Saying(said.text, ())
         if self.own:
             return Saying(said.text, tuple(dict.fromkeys([*own, read])))
-        spelled = tuple(
-            (label, len(some)) for label, some in zip(said.labels, numbers, strict=True) if some
-        )
-        return Saying(said.text, (read,), spelled)
+        choices = [
+            (some, *([self._named(other)] if (other := self.others.find(label)) else []))
+            for label, some in zip(said.labels, numbers, strict=True)
+        ]
+        spelled = {
+            tuple(chain(*way)): tuple(
+                (label, len(some)) for label, some in zip(said.labels, way, strict=True) if some
+            )
+            for way in islice(product(*choices), MAX_WAYS)
+        }
+        return Saying(said.text, tuple(spelled), tuple(spelled.values()))
 
     def numbers(self, label: str, *, between_vowels: bool = False) -> list[int]:
         """Map a G2P label to phoneme numbers of the model.
@@ -234,7 +247,10 @@ class WordReader:
             # Signs that are no IPA are mute.
             near = known.between if between_vowels else known.nearest
             found = tuple(one for ipa in said for one in near.nearest(ipa).value)
-        return [self.models.numbers[name] for name, _ in found if name in self.models.numbers]
+        return self._named(found)
+
+    def _named(self, phones: Value) -> list[int]:
+        return [self.models.numbers[name] for name, _ in phones if name in self.models.numbers]
 
     @cached_property
     def vowels(self) -> frozenset[int]:

@@ -65,13 +65,13 @@ HURRIED_FRAMES = 3
 class Saying(NamedTuple):
     """A word in its own spelling, with pronunciations as phoneme numbers.
 
-    `spelled` are the labels of its one pronunciation, each with its number of phonemes; without
-    it, the model's own names are the labels.
+    `spelled` are the labels of each pronunciation, with their numbers of phonemes; without it, the
+    model's own names are the labels.
     """
 
     text: str
     ways: tuple[tuple[int, ...], ...]
-    spelled: tuple[tuple[str, int], ...] = ()
+    spelled: tuple[tuple[tuple[str, int], ...], ...] = ()
 
 
 def confidence(models: Models, heard: Sequence[HeardPhoneme]) -> float:
@@ -105,13 +105,14 @@ def timed_labels(
     """
     rows: list[tuple[str, int, float]] = []
     # A label with several phonemes comes at the first of these; the others have an empty one.
-    spelled = {
-        number: iter(
-            [name for label, count in one.spelled for name in (label, *[""] * (count - 1))]
-        )
-        for number, one in enumerate(sayings)
-        if one.spelled
-    }
+    found = grouped((one.word, one) for one in heard)
+    spelled = {}
+    for number, saying in enumerate(sayings):
+        way = tuple(sound.phone for sound in found.get(number, ()))
+        if saying.spelled and way in saying.ways:  # it is not left out
+            pairs = saying.spelled[saying.ways.index(way)]
+            names = [name for label, count in pairs for name in (label, *[""] * (count - 1))]
+            spelled[number] = iter(names)
     for one in heard:
         label = SILENCE if one.phone in models.quiet else models.model.names[one.phone]
         if label != SILENCE and one.word in spelled:
@@ -135,7 +136,6 @@ def timed_labels(
     times = [0.0, *(starts[before + 1] for before in kept[:-1]), seconds]
     places = [(rows[n][1], place) for place, n in enumerate(kept) if rows[n][0] != SILENCE]
     first, last = dict(reversed(places)), dict(places)
-    found = grouped((one.word, one) for one in heard)
     words = []
     for number, saying in enumerate(sayings):
         if number in first:
