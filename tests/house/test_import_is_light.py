@@ -169,6 +169,8 @@ def test_a_build_of_texts_loads_nothing_that_hears(tmp_path):
     assert (tmp_path / "l1.csv").stat().st_size
     hearing = "lipsync_lang.sound.speech.hearing."
     assert not {"faster_whisper", f"{hearing}recognition", f"{hearing}alignment"} & loaded
+    again = build.replace("'none'", "'none', '--force'")
+    assert "pydantic" not in modules_after(f"{code}assert {again} == 0"), "all packs are known"
 
 
 @full

@@ -11,7 +11,7 @@ A pose set that opens the mouth on the mesh comes before all that hardly do.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -21,9 +21,11 @@ from lipsync_lang.faces.rigs.driver import Driver
 from lipsync_lang.faces.rigs.face_on_model import MEND, ChannelPlaces, FaceOnModel
 from lipsync_lang.faces.rigs.model import Model
 from lipsync_lang.faces.rigs.read_outs import measured, still_shapes
-from lipsync_lang.packs import models
-from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.pack import Pack
+
+if TYPE_CHECKING:  # workers measure mouths without the models of packs
+    from lipsync_lang.packs import models
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.packs.pack import Pack
 
 ALIKE = 0.97
 """Minimum cosine between the channels of two poses for the same look."""
@@ -73,7 +75,7 @@ class Loss:
         return {**asdict(self), "what": self.what}
 
 
-def losses(library: Library, rig: Pack[models.RigPack]) -> tuple[Loss, ...]:
+def losses(library: "Library", rig: "Pack[models.RigPack]") -> tuple[Loss, ...]:
     """List the losses of a rig in the order of its pose set, by effects on channels, (C, P)."""
     from lipsync_lang.packs.models.rig_models import plain_channels
 
@@ -182,7 +184,7 @@ class Match:
         }
 
 
-def recognise(library: Library, model: Model) -> tuple[Match, ...]:
+def recognise(library: "Library", model: Model) -> tuple[Match, ...]:
     """Match every pose set and every rig against a model.
 
     Matches that open the mouth on the mesh come first. Then the number of poses shown as themselves
@@ -216,7 +218,7 @@ def recognise(library: Library, model: Model) -> tuple[Match, ...]:
 
 
 def _matches(
-    library: Library, poseset: models.PoseSet, model: Model, *, by_name: bool
+    library: "Library", poseset: "models.PoseSet", model: Model, *, by_name: bool
 ) -> Iterator[Match]:
     """Yield non-empty matches: the pose set alone, and each of its valid rigs."""
     from lipsync_lang.packs.checking.rig_checks import check_rig

@@ -3,19 +3,22 @@
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from functools import cache
+from typing import TYPE_CHECKING
 
 from lipsync_lang.base.errors import SpeechError
-from lipsync_lang.packs import models
-from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault
-from lipsync_lang.packs.yaml.source import Loc
-from lipsync_lang.text.phonology.manner import Manner
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs import models
+    from lipsync_lang.packs.pack import Pack
+    from lipsync_lang.packs.yaml.source import Loc
+    from lipsync_lang.text.phonology.manner import Manner
 
 ESPEAK = "espeak"
 """The engine whose voices are known without a system package."""
 
 
-def check_voices(languages: Iterable[Pack[models.Language]]) -> Iterator[Fault]:
+def check_voices(languages: "Iterable[Pack[models.Language]]") -> Iterator[Fault]:
     """Yield a fault for each voice that the engine does not have.
 
     One process answers for all languages. Where the engine is not installed or fails, nothing is
@@ -34,7 +37,7 @@ def check_voices(languages: Iterable[Pack[models.Language]]) -> Iterator[Fault]:
             yield pack.fault(loc, "P226", what, missing[voice])
 
 
-def lacks_voice(manner: Manner) -> bool:
+def lacks_voice(manner: "Manner") -> bool:
     """Return True if a resolved language names a voice that the engine lacks; its pack says where.
 
     Thus a build reads no pack for it.
@@ -55,7 +58,7 @@ def _missing(voices: tuple[str, ...]) -> dict[str, str]:
     return EspeakProcess().missing(voices)
 
 
-def _voices(pack: Pack[models.Language]) -> Iterator[tuple[Loc, str]]:
+def _voices(pack: "Pack[models.Language]") -> "Iterator[tuple[Loc, str]]":
     """Yield the voices of the engine that a language names, with their places."""
     g2p, tts = pack.model.g2p, pack.model.tts
     for field, part in (("g2p", g2p), ("tts", tts)):
