@@ -145,7 +145,17 @@ def apart(head, least, *manner):
 
 def test_the_teeth_of_the_shipped_head_meet_before_the_tongue_in_sibilants():
     assert apart("facefx", 0.88) == []
-    assert apart("facefx", 0.78, HASTY, "english", FAST) == []
+    assert apart("facefx", 0.84, HASTY, "english", FAST) == []
+
+
+def test_the_teeth_of_the_shipped_head_meet_in_the_sibilants_of_mandarin_beside_rounded_vowels():
+    shares = [
+        count["teeth"] / sum(count[part] for part in INSIDE)
+        for _, sound, count in seen("facefx", (("tɕʰ", "y"), ("ɕ", "y", "ɕ", "i")), "mandarin")
+        if sound in {"tɕʰ", "ɕ"}
+    ]
+    assert len(shares) == 3
+    assert min(shares) > 0.84
 
 
 def test_fast_sibilants_shut_the_jaw_between_vowels_and_a_glide_with_the_tongue_of_sh_does_not():

@@ -224,7 +224,7 @@ def test_rules_say_by_how_much_they_are_missed():
     figure = check(bad)["rules sibilants"]
     assert figure.value == 1
     assert figure.limit == 0.1
-    assert figure.findings[0].what == "S misses the rule by 0.12 of aperture"
+    assert figure.findings[0].what == "S misses the rule by 0.14 of aperture"
 
 
 def test_a_constraint_is_broken_in_the_frames_where_it_is():
