@@ -93,7 +93,7 @@ HAVE_TARGETS = {
     "text/lines/xlsx.py",
     "packs/library.py",
     "packs/yaml/building.py",
-    "packs/yaml/source.py",
+    "packs/yaml/pack_files.py",
     "text/phonology/g2p/lexicon.py",
     "text/phonology/g2p/orthography_profile.py",
     "faces/rigs/container.py",
