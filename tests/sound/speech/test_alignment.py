@@ -840,6 +840,7 @@ def test_an_r_is_heard_as_an_english_flap_between_vowels_alone(text, phone):
     assert names[at] == phone
 
 
+@needs_plug_ins
 def test_a_whispered_vowel_may_have_a_voice():
     reader = reader_of(speaker := Speaker.of("japanese"))
     (read,) = speaker.transcripts(["人"])
@@ -856,6 +857,7 @@ def test_a_whispered_vowel_may_have_a_voice():
         assert found.times[1] == pytest.approx(0.09 * (len(way) - 2), abs=0.02)
 
 
+@needs_plug_ins
 def test_the_voice_of_kana_is_found_where_a_vowel_is_written_as_whispered():
     known = ll.speak("すべての人は、思想の自由を享有する。", "japanese")
     found = ll.align(known.audio, "すべての人は、思想の自由を享有する。", "japanese")
@@ -863,6 +865,7 @@ def test_the_voice_of_kana_is_found_where_a_vowel_is_written_as_whispered():
     assert [word.start for word in found.words] == pytest.approx(starts, abs=0.05)
 
 
+@needs_plug_ins
 def test_a_word_has_a_limited_number_of_pronunciations():
     reader = reader_of(speaker := Speaker.of("japanese"))
     (read,) = speaker.transcripts(["人"])
