@@ -269,21 +269,3 @@ def cannot_write(
         return OutputError(f"{path}: {why}, or {mend}")
     why = getattr(error, "strerror", None) or str(error)
     return OutputError(f"{path}: cannot be written: {why}; {mend}")
-
-
-@contextmanager
-def marker(folder: Path, name: str, *, mend: str) -> Iterator[Path]:
-    """Keep an empty temporary file in a folder while the block runs, and yield its path.
-
-    `mend` is advice for a folder that cannot be written.
-    """
-    path = folder / temporary_name(name)
-    sweep(folder, again=True)  # the file of a killed process
-    try:
-        path.touch()
-    except OSError as error:
-        raise cannot_write(folder, error, mend) from None
-    try:
-        yield path
-    finally:
-        path.unlink(missing_ok=True)

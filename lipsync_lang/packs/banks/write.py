@@ -1,7 +1,6 @@
 """Writers of bigrams as YAML, into bank files that a person can edit."""
 
 import os
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,9 +13,6 @@ from lipsync_lang.packs.yaml.value_text import INDENT, as_scalar, block_lines
 
 CurvePoints = list[list[float]]
 Interpolation = Literal["bspline", "linear"]
-
-BANK_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
-"""Pattern of valid bank names."""
 
 NEUTRAL = "neutral"
 """The default style of speaking."""
@@ -119,20 +115,6 @@ def add_bigrams(library: Library, path: Path, made: BankBigrams) -> list[str]:
         with atomic(path, durable=True) as stream:
             stream.write(content)
     return list(new)
-
-
-def write_bank(library: Library, path: Path, made: BankBigrams, comment: str) -> list[str]:
-    """Write bigrams to a new bank with a comment, or add them to one; return the new ones."""
-    from lipsync_lang.base.files import atomic
-
-    make_room(path)
-    if path.exists():
-        return add_bigrams(library, path, made)
-    if not BANK_NAME.fullmatch(path.stem):
-        raise OutputError(f"{path}: the name of a bank may have only letters, digits, '-' and '_'")
-    with atomic(path, durable=True) as stream:
-        stream.write(f"# {comment}\n{bank_yaml(made, path.stem)}".encode())
-    return list(made.bigrams)
 
 
 def done(path: Path, new: int, kept: int, what: str) -> str:

@@ -21,7 +21,8 @@ from uuid import uuid4
 
 from lipsync_lang import LipsyncError
 from lipsync_lang.base.extras import install_line
-from lipsync_lang.base.files.writing import marker
+from lipsync_lang.base.files.temporary import sweep, temporary_name
+from lipsync_lang.base.files.writing import cannot_write
 from lipsync_lang.production.builds.workers import Job, LostBatch, Parcel, cluster
 
 if TYPE_CHECKING:
@@ -170,8 +171,17 @@ def sight_mark(folder: Path | None) -> Iterator[str]:
     if folder is None:
         yield ""
         return
-    with marker(folder.resolve(), MARK, mend="copy the project to another folder") as path:
+    folder = folder.resolve()
+    path = folder / temporary_name(MARK)
+    sweep(folder, again=True)  # the file of a killed process
+    try:
+        path.touch()
+    except OSError as error:
+        raise cannot_write(folder, error, "copy the project to another folder") from None
+    try:
         yield str(path)
+    finally:
+        path.unlink(missing_ok=True)
 
 
 def check_sight(client: "Client", folder: Path | None, mark: str) -> None:

@@ -19,9 +19,17 @@ from typing import Any, Literal
 
 import numpy as np
 
-from lipsync_lang import LipsyncError
+from lipsync_lang import LipsyncError, OutputError
 from lipsync_lang.base.errors import did_you_mean, shortlist
-from lipsync_lang.packs.banks.write import NEUTRAL, BankBigrams, done, write_bank
+from lipsync_lang.base.files import atomic
+from lipsync_lang.packs.banks.write import (
+    NEUTRAL,
+    BankBigrams,
+    add_bigrams,
+    bank_yaml,
+    done,
+    make_room,
+)
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import visible
 from lipsync_lang.pipeline.curve import bspline
@@ -41,6 +49,9 @@ MOST_KEYS = 200
 """Maximum number of keys of a curve. Longer curves are sampled by programs, not drawn."""
 
 FEWEST_KEYS = 2
+
+BANK_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
+"""Pattern of valid bank names."""
 
 LONGEST, HINTS = 40, 100
 """Maximum length of a name in a remark, and maximum number of unknown names with a hint."""
@@ -280,10 +291,22 @@ def import_bank(  # noqa: PLR0913 the sources, the target and options
     made = BankBigrams(poseset.name, found, STATUS, manner, interpolation)
     origin = ", ".join(visible(file.name) for file in files)
     origin += f", set '{visible(chosen)}'" if chosen else ""
-    new = write_bank(library, path, made, f"Imported from SmartBody: {origin}.")
+    new = _write_bank(library, path, made, f"Imported from SmartBody: {origin}.")
     kept = tuple(key for key in found if key not in new)
     reach = _reach(found, interpolation)
     return BankImport(path, poseset.name, chosen, manner, tuple(new), kept, reach, remarks)
+
+
+def _write_bank(library: Library, path: Path, made: BankBigrams, comment: str) -> list[str]:
+    """Write bigrams to a new bank with a comment, or add them to one; return the new ones."""
+    make_room(path)
+    if path.exists():
+        return add_bigrams(library, path, made)
+    if not BANK_NAME.fullmatch(path.stem):
+        raise OutputError(f"{path}: the name of a bank may have only letters, digits, '-' and '_'")
+    with atomic(path, durable=True) as stream:
+        stream.write(f"# {comment}\n{bank_yaml(made, path.stem)}".encode())
+    return list(made.bigrams)
 
 
 def _reach(found: Mapping[str, ImportedCurves], interpolation: Interpolation) -> float:
