@@ -58,25 +58,19 @@ def spelled(name: str, known: Iterable[str]) -> str:
     return same[0] if len(same) == 1 else name
 
 
-def _likeness(word: str, name: str) -> float:
-    from difflib import SequenceMatcher
-
-    return SequenceMatcher(None, name, word).ratio()
-
-
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return a hint with the nearest known word, or with all known words if none is near."""
-    from difflib import get_close_matches
+    from difflib import SequenceMatcher, get_close_matches
 
     names = sorted(known)
-    # `get_close_matches` finds nothing alike in `ABC` and `abc`.
-    near = get_close_matches(word, names, n=1) or [n for n in names if n.lower() == word.lower()]
-    # of names equally near, typists keep the first letter more often than any other
-    alike = get_close_matches(word, [n for n in names if n[:1] == word[:1]], n=1) if near else ()
-    if alike and _likeness(word, alike[0]) >= _likeness(word, near[0]):
-        near = alike
+    near = get_close_matches(word, names, MAX_KNOWN)
+    # It finds nothing alike in `ABC` and `abc`.
+    near = near or [name for name in names if name.lower() == word.lower()]
     if near:
-        return f"did you mean '{near[0]}'?"
+        likeness = {name: SequenceMatcher(None, name, word).ratio() for name in near}
+        # of names equally near, typists keep the first letter more often than any other
+        best = max(near, key=lambda name: (likeness[name], name[:1] == word[:1]))
+        return f"did you mean '{best}'?"
     return f"known: {shortlist(names, MAX_KNOWN)}" if names else "there are none"
 
 
