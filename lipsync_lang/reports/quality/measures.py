@@ -5,7 +5,7 @@ Movement is in shares of a column's range, which is 1 for a pose. Figures in sec
 any frame rate, to within a frame.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, wraps
 from importlib import import_module
@@ -19,22 +19,6 @@ from lipsync_lang.reports.quality.measured_scene import MeasuredScene
 
 VISIBLE_SHARE = 0.05
 """Smallest visible change of a pose."""
-
-FLICKER_SECONDS = 0.07
-"""Maximum time of a flicker: a movement and its return."""
-
-SHORT_HOLD_SECONDS = 0.06
-"""Minimum duration of a visible shape."""
-
-STILL_SPEED = 0.1
-"""Minimum speed of a moving pose, in shares per second."""
-
-CONSTRAINT_TOLERANCE = 0.01
-"""Maximum invisible excess over a constraint."""
-
-FULL_TOLERANCE = 1e-3
-"""Maximum distance of a full pose from its maximum."""
-
 
 Find = Callable[[MeasuredScene], Iterable[list[Figure]]]
 """A measure's function, which yields the figures of each line. The name of a figure is its contact
@@ -147,9 +131,3 @@ def places(scene: MeasuredScene, told: Mapping[int, str]) -> Iterator[Finding]:
     for number, what in told.items():
         at = round(float(scene.begin[number]), 4)
         yield Finding(at, f"{scene.labels[number]} {what}")
-
-
-def named(names: Iterable[str], values: Sequence[float], least: float = 0.0) -> dict[str, float]:
-    """Return the values above a minimum by name, largest first."""
-    pairs = [(n, round(v, 6)) for n, v in zip(names, values, strict=True) if v > least]
-    return dict(sorted(pairs, key=lambda pair: -pair[1]))

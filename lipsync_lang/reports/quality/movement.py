@@ -1,7 +1,7 @@
 """Measures of movement: constraints, speed, flicker, changes of shape, and stillness."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from math import isinf
 
@@ -11,20 +11,29 @@ from lipsync_lang.base.arrays import Ints
 from lipsync_lang.reports.quality.figures import Figure, Finding
 from lipsync_lang.reports.quality.measured_scene import MeasuredScene
 from lipsync_lang.reports.quality.measures import (
-    CONSTRAINT_TOLERANCE,
-    FLICKER_SECONDS,
-    FULL_TOLERANCE,
-    SHORT_HOLD_SECONDS,
-    STILL_SPEED,
     VISIBLE_SHARE,
     measure,
-    named,
     once,
     one,
     runs,
     share,
     unjudged,
 )
+
+FLICKER_SECONDS = 0.07
+"""Maximum time of a flicker: a movement and its return."""
+
+SHORT_HOLD_SECONDS = 0.06
+"""Minimum duration of a visible shape."""
+
+STILL_SPEED = 0.1
+"""Minimum speed of a moving pose, in shares per second."""
+
+CONSTRAINT_TOLERANCE = 0.01
+"""Maximum invisible excess over a constraint."""
+
+FULL_TOLERANCE = 1e-3
+"""Maximum distance of a full pose from its maximum."""
 
 NO_SOUNDS = "the line has no sounds"
 
@@ -78,7 +87,7 @@ def speed(scene: MeasuredScene) -> Iterable[list[Figure]]:
         pose = fastest.index(top)
         at = round(float(scene.times[span][scene.speeds[pose, span].argmax()]), 4)
         found = Finding(at, f"{names[pose]} moves at {top:.1f} per second")
-        yield one(top, named(names, fastest), [found] if top else [])
+        yield one(top, _named(names, fastest), [found] if top else [])
 
 
 @measure("jitter", "per second", limit=2)
@@ -103,7 +112,7 @@ def jitter(scene: MeasuredScene) -> Iterable[list[Figure]]:
         counts = Counter(pose for pose, _ in own)
         shares = [counts[pose] / seconds for pose in range(len(names))]
         findings = [Finding(round(at, 4), f"{names[pose]} flickers") for pose, at in own]
-        yield one(max(shares), named(names, shares), findings)
+        yield one(max(shares), _named(names, shares), findings)
 
 
 def _flickers(scene: MeasuredScene) -> tuple[Ints, Ints]:
@@ -221,7 +230,7 @@ def silence(scene: MeasuredScene) -> Iterable[list[Figure]]:
         pose, pause = divmod(int(moved.argmax()), past - start)
         at = round(float(scene.times[first[start + pause]]), 4)
         what = f"{names[pose]} moves by {moved[pose, pause]:.2f}"
-        most = named(names, moved.max(axis=1).tolist(), VISIBLE_SHARE)
+        most = _named(names, moved.max(axis=1).tolist(), VISIBLE_SHARE)
         yield one(moved[pose, pause], most, [Finding(at, what)])
 
 
@@ -243,7 +252,7 @@ def saturation(scene: MeasuredScene) -> Iterable[list[Figure]]:
             yield one(0.0)
         else:
             high = scene.curves[:, span][:, scene.speaking[span]] >= level[:, None]
-            parts = named(scene.face.names, high.mean(axis=1).tolist())
+            parts = _named(scene.face.names, high.mean(axis=1).tolist())
             yield one(share(np.asarray(high.any(axis=0))), parts)
 
 
@@ -267,3 +276,9 @@ def still(scene: MeasuredScene) -> Iterable[list[Figure]]:
             yield unjudged(NO_SOUNDS)
             continue
         yield one(share(resting[span][said[span]]), {"longest": round(seconds, 6)})
+
+
+def _named(names: Iterable[str], values: Sequence[float], least: float = 0.0) -> dict[str, float]:
+    """Return the values above a minimum by name, largest first."""
+    pairs = [(n, round(v, 6)) for n, v in zip(names, values, strict=True) if v > least]
+    return dict(sorted(pairs, key=lambda pair: -pair[1]))
