@@ -8,7 +8,7 @@ from contextlib import suppress
 from threading import Thread
 from typing import TYPE_CHECKING, Any, TextIO
 
-from lipsync_lang.base.errors import LipsyncError
+from lipsync_lang.base.errors import LipsyncError, did_you_mean
 from lipsync_lang.commands.local_server import serve
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.registry import handler
@@ -153,14 +153,14 @@ def _send(  # noqa: PLR0913 who speaks, and who receives it
 
 
 def _renamed(stated: list[str], poses: Sequence[str]) -> dict[str, str]:
-    """Parse ``POSE=NAME``."""
-    from lipsync_lang.production.live.outlets import refuse_unknown
-
+    """Parse ``POSE=NAME`` of known poses."""
     renamed = dict(one.partition("=")[::2] for one in stated)
     for name, other in renamed.items():
         if not name or not other:
             raise LipsyncError(f"--rename {name}: write POSE=NAME, such as --rename mouth_open=A")
-    refuse_unknown(renamed, poses)
+        if name not in poses:
+            hint = did_you_mean(name, poses)
+            raise LipsyncError(f"--rename {name}: unknown pose '{name}'; {hint}")
     return renamed
 
 

@@ -26,7 +26,6 @@ from lipsync_lang.packs.finding import (
     Paths,
     beside,
     is_model,
-    model_state,
     pack_name,
 )
 from lipsync_lang.packs.pack import Pack
@@ -83,10 +82,6 @@ class Library(Finder):
         """Return the files found for a name as `Finder.lookup` does, and record the look-up."""
         found = self.lookups[kind, name] = super().lookup(kind, name)
         return found
-
-    def note_model(self, path: Path) -> None:
-        """Record a model whose shapes decide targets."""
-        self.model_states[str(path)] = model_state(path)
 
     def common(self) -> "Pack[models.Phonemes]":
         """Load the common phonemes."""

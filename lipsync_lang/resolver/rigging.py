@@ -12,7 +12,7 @@ from lipsync_lang.faces.rigs.face_on_model import FaceOnModel
 from lipsync_lang.faces.rigs.recognise import Match
 from lipsync_lang.packs import models
 from lipsync_lang.packs.checking.rig_checks import check_rig
-from lipsync_lang.packs.finding import beside
+from lipsync_lang.packs.finding import beside, model_state
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.rig_models import plain_channels
 from lipsync_lang.packs.pack import Pack
@@ -71,7 +71,7 @@ def face_on_model(
     if named is None:
         return None
     path, rig = Path(named), on.rig if on else character.model.rig
-    library.note_model(path)
+    library.model_states[str(path)] = model_state(path)
     plain = plain_rig(library, rig, poseset) if rig is not None else None
     try:
         return FaceOnModel.of(poseset.model, known_model(path), plain)

@@ -14,7 +14,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.base.arrays import Floats, Ints
+from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import ModelError, OutputError
 from lipsync_lang.base.grouping import grouped
 from lipsync_lang.base.json_object import Json
@@ -123,7 +123,7 @@ MOST_SCENES = 4
 def _face(animation: Animation, scene: Scene, pack: ArrayPack) -> Json:
     # The page draws each material as one run of triangles.
     order = np.argsort(scene.material, kind="stable")
-    normals, groups, *cameras = _view(scene)
+    normals = np.nan_to_num(light.unit(scene.directions(scene.normals)))
     textured = any(material.image is not None for material in scene.materials)
     kind = "u2" if scene.count <= SMALL_MODEL else "u4"
     nodes = {part.node for part in scene.parts}
@@ -131,8 +131,8 @@ def _face(animation: Animation, scene: Scene, pack: ArrayPack) -> Json:
     return {
         "unshown": list(_unshown(scene)),
         "count": scene.count,
-        "camera": _camera(cameras[0]),
-        "close": _camera(cameras[1]),
+        "camera": _camera(framed(scene)),
+        "close": _camera(close_up(scene)),
         "light": {
             "lamps": [
                 [*(np.array(one.way) / np.linalg.norm(one.way)).tolist(), *one.colour, one.wrap,
@@ -150,19 +150,13 @@ def _face(animation: Animation, scene: Scene, pack: ArrayPack) -> Json:
         "nodes": _nodes(scene, animation),
         "parts": [_part(scene, part, pack, kind, grids[part.node]) for part in scene.parts],
         "triangles": pack.add(scene.triangles[order], kind),
-        "groups": pack.add(groups, kind),
+        "groups": pack.add(light.groups(scene), kind),
         "normals": pack.add(normals, "i1", 127),
         "colours": pack.add(scene.colours, "u2", 65535),
         "places": pack.add(scene.places, "f4") if textured else None,
         "moving": pack.add(scene.moving, "u1"),
         "materials": list(_materials(scene, pack)),
     }  # fmt: skip
-
-
-def _view(scene: Scene) -> tuple[Floats, Ints, Camera, Camera]:
-    """Return normals, groups of points and cameras."""
-    normals = np.nan_to_num(light.unit(scene.directions(scene.normals)))
-    return normals, light.groups(scene), framed(scene), close_up(scene)
 
 
 def _camera(camera: Camera) -> Json:

@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 from uuid import NAMESPACE_DNS, uuid5
 
 from lipsync_lang.animations.fixed import FixedColumns, names
-from lipsync_lang.base.errors import LipsyncError, did_you_mean
+from lipsync_lang.base.errors import LipsyncError
 from lipsync_lang.base.extras import needing
 from lipsync_lang.faces.rigs.channel import Channel
 from lipsync_lang.faces.rigs.model import read_model
@@ -203,14 +203,6 @@ def _head_place(
         "let the receiver take no places of bones (EVMC4U: BonePositionSynchronize)"
     )
     return 0.0, 0.0, 0.0
-
-
-def refuse_unknown(renamed: Mapping[str, str], poses: Sequence[str]) -> None:
-    """Refuse to rename unknown poses."""
-    for pose in renamed:
-        if pose not in poses:
-            hint = did_you_mean(pose, poses)
-            raise LipsyncError(f"--rename {pose}: unknown pose '{pose}'; {hint}")
 
 
 class LiveLinkPacket:

@@ -119,12 +119,12 @@ def unwritten(paths: Iterable[Path]) -> list[Path]:
     for path in paths:
         inside = sorted(path.rglob("*")) if path.is_dir() else [path]
         found |= dict.fromkeys(one for one in inside if is_recording(one))
-    return [one for one in found if not any(map(is_text, one.parent.glob(f"{escape(one.stem)}.*")))]
-
-
-def is_text(path: Path) -> bool:
-    """Return True for the name of a file of lines or timings."""
-    return path.suffix.lower() in by_suffix()
+    texts = by_suffix().keys()  # of files of lines and of timings
+    return [
+        one
+        for one in found
+        if texts.isdisjoint(p.suffix.lower() for p in one.parent.glob(f"{escape(one.stem)}.*"))
+    ]
 
 
 def heard_lines(
