@@ -35,7 +35,7 @@ ROUNDED = tuple(
     tuple(word.split())
     for word in ("s iː", "ʃ iː", "tʃ ɪ n", "dʒ ɛ t", "ɪ ʒ ə", "ɹ ɛ d", "ɪ ɹ ɪ", "f ɜː", "w ɪ")
 )
-FAST = 0.07
+FAST, BRISK = 0.07, 0.09
 HASTY = tuple(
     tuple(word.split())
     for word in ("s w ɪ m", "s ɛ v ə n", "s uː n", "w iː s ɛ", "dʒ æ k", "m ɛ ʒ ɚ", "w ɑː tʃ ɪ z")
@@ -45,6 +45,7 @@ CLOSURES = tuple(
     tuple(word.split())
     for word in ("w oʊ m ɛ n", "b oʊ b oʊ θ", "ð ɛ m ɛ n", "s w ɪ m", "ɹ ɑː p ɑː", "ð ɪ b oʊ θ")
 )
+SHORT_ROUND = tuple(tuple(word.split()) for word in ("m uː v", "b uː b", "f ʏ n f", "t uː v ɔ l"))
 LABIODENTALS = tuple(tuple(word.split()) for word in ("w uː f uː", "oʊ v ɚ", "f ɑː v", "v ɛ s t"))
 INSIDE = ("teeth", "mouth", "gums", "tongue")
 
@@ -90,10 +91,10 @@ def across(image):
     return np.ptp(hole) / np.ptp(lips) if len(hole) else 0.0
 
 
-def faults(head):
+def faults(head, *manner):
     """Return what a viewer would refuse: (word, sound, cause) of each mouth."""
     found = []
-    for word, sound, count in seen(head):
+    for word, sound, count in seen(head, *manner):
         inside, lips = sum(count[part] for part in INSIDE), count["lips"]
         if sound in {"uː", "u", "yː", "ʏ"} and count["teeth"] > 0.1 * inside:
             found.append((word, sound, "teeth in a round mouth"))
@@ -197,6 +198,23 @@ def test_a_short_front_rounded_vowel_between_an_m_and_teeth_parts_the_jaw_in_its
     assert pucker > 0.32
 
 
+def test_human_heads_part_short_round_lips_between_labials_and_no_pucker_hides_the_teeth_of_f():
+    schedule = spoken(SHORT_ROUND, BRISK)
+    animation = ll.resolve("german", "arkit").perform(schedule, fps=120)
+    middles = (schedule.times[1:] + schedule.times[:-1]) / 2
+    jaw, close, pucker = (
+        np.interp(middles, animation.times, animation.weights[:, animation.poses.index(pose)])
+        for pose in ("jawOpen", "mouthClose", "mouthPucker")
+    )
+    assert (close <= jaw + 1e-4).all()
+    for label, gap, rounding in zip(schedule.labels, jaw - close, pucker, strict=True):
+        if label == "uː":
+            assert gap > 0.08
+            assert rounding > 0.2
+        if label in {"f", "v"}:
+            assert rounding < 0.13, "the teeth are hidden"
+
+
 def test_rounded_consonants_of_the_shipped_head_look_rounded_from_the_front():
     for word, sound, found in seen("facefx", ROUNDED, "english"):
         if sound in {"ʃ", "tʃ", "dʒ", "ʒ", "ɹ", "ɜː", "w"}:
@@ -215,7 +233,7 @@ def test_a_made_head_does_so_too(tmp_path, seed):
     made = heads.make_head(clone, heads.HeadWish(seed=seed))
     path = tmp_path / "head.glb"
     path.write_bytes(made.content)
-    assert faults(path) == []
+    assert faults(path) == faults(path, SHORT_ROUND, "german", BRISK) == []
     assert apart(path, 0.86) == []
     assert apart(path, 0.78, HASTY, "english", FAST) == []
 
