@@ -110,11 +110,6 @@ def unjudged(why: str, of: str = "") -> list[Figure]:
     return [Figure(of, None, why=why)]
 
 
-def share(part: Bools) -> float:
-    """Return the share of True; 0 for no elements."""
-    return int(np.count_nonzero(part)) / part.size if part.size else 0.0
-
-
 def runs(mask: Bools, cuts: Ints) -> tuple[Ints, Ints]:
     """Return the first index of each run of True, and the index past its last.
 

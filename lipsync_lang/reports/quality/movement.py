@@ -7,18 +7,10 @@ from math import isinf
 
 import numpy as np
 
-from lipsync_lang.base.arrays import Ints
+from lipsync_lang.base.arrays import Bools, Ints
 from lipsync_lang.reports.quality.figures import Figure, Finding
 from lipsync_lang.reports.quality.measured_scene import MeasuredScene
-from lipsync_lang.reports.quality.measures import (
-    VISIBLE_SHARE,
-    measure,
-    once,
-    one,
-    runs,
-    share,
-    unjudged,
-)
+from lipsync_lang.reports.quality.measures import VISIBLE_SHARE, measure, once, one, runs, unjudged
 
 FLICKER_SECONDS = 0.07
 """Maximum time of a flicker: a movement and its return."""
@@ -70,7 +62,7 @@ def constraints(scene: MeasuredScene) -> Iterable[list[Figure]]:
             at = round(float(scene.times[span][over[number, span].argmax()]), 4)
             findings.append(Finding(at, f"{name} by {by:.2f}"))
         broken = over[:, span] > CONSTRAINT_TOLERANCE
-        yield one(share(np.asarray(broken.any(axis=0))), parts, findings)
+        yield one(_share(np.asarray(broken.any(axis=0))), parts, findings)
 
 
 @measure("speed", "per second")
@@ -253,7 +245,7 @@ def saturation(scene: MeasuredScene) -> Iterable[list[Figure]]:
         else:
             high = scene.curves[:, span][:, scene.speaking[span]] >= level[:, None]
             parts = _named(scene.face.names, high.mean(axis=1).tolist())
-            yield one(share(np.asarray(high.any(axis=0))), parts)
+            yield one(_share(np.asarray(high.any(axis=0))), parts)
 
 
 @measure("still", "of frames")
@@ -275,7 +267,12 @@ def still(scene: MeasuredScene) -> Iterable[list[Figure]]:
         if not spoken:
             yield unjudged(NO_SOUNDS)
             continue
-        yield one(share(resting[span][said[span]]), {"longest": round(seconds, 6)})
+        yield one(_share(resting[span][said[span]]), {"longest": round(seconds, 6)})
+
+
+def _share(part: Bools) -> float:
+    """Return the share of True; 0 for no elements."""
+    return int(np.count_nonzero(part)) / part.size if part.size else 0.0
 
 
 def _named(names: Iterable[str], values: Sequence[float], least: float = 0.0) -> dict[str, float]:
