@@ -53,13 +53,11 @@ def install_line(*names: str) -> str:
 
     `pipx` and `uv tool` make an environment anew, so that the line names the installed extras too.
     """
-    home = Path(sys.prefix)
-    if (home / PIPX).is_file():
+    tool = _installer()
+    if tool == "pipx":
         return f'pipx install --force "{_requirement({*names, *_installed()})}"'
-    if (home / UV_TOOL).is_file():
-        return f'uv tool install "{_requirement({*names, *_installed()})}"'
-    tool = "uv pip" if UV in _settings(home) else _pip()
-    return f'{tool} install "{_requirement(set(names))}"'
+    whole = {*names, *_installed()} if tool == "uv tool" else set(names)
+    return f'{tool} install "{_requirement(whole)}"'
 
 
 @contextmanager
@@ -75,16 +73,24 @@ def needing(
 
 def package_line(name: str) -> str:
     """Return the command that installs a package of others, for the same installer."""
+    tool = _installer()
+    if tool == "pipx":
+        return f"pipx inject {PROGRAM} {name}"
+    if tool == "uv tool":
+        return f'uv tool install "{_requirement(_installed())}" --with {name}'
+    return f"{tool} install {name}"
+
+
+def _installer() -> str:
+    """Return the command of the installer; `pip` alone only in an activated environment."""
     home = Path(sys.prefix)
     if (home / PIPX).is_file():
-        return f"pipx inject {PROGRAM} {name}"
+        return "pipx"
     if (home / UV_TOOL).is_file():
-        return f'uv tool install "{_requirement(_installed())}" --with {name}'
-    return f"{'uv pip' if UV in _settings(home) else _pip()} install {name}"
-
-
-def _pip() -> str:
-    """Return `pip` in an activated environment, and the interpreter's own pip elsewhere."""
+        return "uv tool"
+    with suppress(OSError, ValueError):
+        if UV in (home / "pyvenv.cfg").read_text("utf-8"):
+            return "uv pip"
     if os.environ.get("VIRTUAL_ENV") == sys.prefix:
         return "pip"
     python = sys.executable
@@ -99,13 +105,6 @@ def _requirement(names: set[str]) -> str:
 
 def _installed() -> set[str]:
     return {one.name for one in extras() if not one.missing()}
-
-
-def _settings(home: Path) -> str:
-    try:
-        return (home / "pyvenv.cfg").read_text("utf-8")
-    except (OSError, ValueError):
-        return ""
 
 
 def importable(module: str) -> bool:
