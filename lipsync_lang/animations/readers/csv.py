@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from lipsync_lang.animations.animation_readers import MAX_ANIMATION_BYTES, Recording, fail, reader
+from lipsync_lang.animations.animation_readers import Recording, fail, reader
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import AnimationError
-from lipsync_lang.base.files.reading import read_input, utf8_text
+from lipsync_lang.base.files.reading import utf8_text
 
 TIME_COLUMNS = dict.fromkeys(("ms", "timems", "milliseconds"), 1e-3) | dict.fromkeys(
     ("time", "times", "seconds", "sec", "t", "timestamp", "timeseconds", "timecode"), 1.0
@@ -23,12 +23,6 @@ def read_csv(path: Path, content: bytes) -> Recording:
     """A column of times (`time_s`, `time`, `time_ms`, ...), then a column for each curve."""
     times, names, values = table_of(path, content)
     return Recording(str(path), times, names, values)
-
-
-def read_table(path: Path, *, mend: str) -> tuple[Floats, tuple[str, ...], Floats]:
-    """Read a table with gaps as `table_of` does; `mend` is advice for a file that is too large."""
-    content = read_input(path, MAX_ANIMATION_BYTES, error=AnimationError, mend=mend)
-    return table_of(path, content, gaps=True)
 
 
 def table_of(

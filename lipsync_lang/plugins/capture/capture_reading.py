@@ -24,12 +24,14 @@ from lipsync_lang import (
 )
 from lipsync_lang.animations.animation_readers import (
     ANIMATION_READERS,
+    MAX_ANIMATION_BYTES,
     Recording,
     read_animation,
 )
-from lipsync_lang.animations.readers.csv import read_table
+from lipsync_lang.animations.readers.csv import table_of
 from lipsync_lang.base.arrays import Floats
 from lipsync_lang.base.errors import did_you_mean, shortlist
+from lipsync_lang.base.files import read_input
 from lipsync_lang.base.files.reading import input_text
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import ReadOut
@@ -87,7 +89,9 @@ def load_readout(path: Path) -> ReadOut:
 
 def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
     """Read a table of sensors; return None without any column of the read-out."""
-    times, names, table = read_table(path, mend="check that it is a table of sensors")
+    mend = "check that it is a table of sensors"
+    content = read_input(path, MAX_ANIMATION_BYTES, error=AnimationError, mend=mend)
+    times, names, table = table_of(path, content, gaps=True)
     wanted = {column for sums in readout.measures.values() for column in sums}
     if wanted.isdisjoint(names):
         return None
