@@ -13,21 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from lipsync_lang.base.errors import PackError
-from lipsync_lang.packs.finding import (
-    BENEATH,
-    COMMON,
-    FOLDERS,
-    IPA,
-    KIND_WORDS,
-    NONE_UNSAVED,
-    SHARED,
-    Finder,
-    Kind,
-    Paths,
-    beside,
-    is_model,
-    pack_name,
-)
+from lipsync_lang.packs import finding
+from lipsync_lang.packs.finding import FOLDERS, Finder, Kind, Paths, pack_name
 from lipsync_lang.packs.pack import Pack
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults
 from lipsync_lang.packs.yaml.pack_files import read_bytes, shown
@@ -61,7 +48,7 @@ class Library(Finder):
         paths: Paths = (),
         project: Path | None = Path(),
         *,
-        unsaved: Mapping[Path, bytes] = NONE_UNSAVED,
+        unsaved: Mapping[Path, bytes] = finding.NONE_UNSAVED,
         earlier: "Library | None" = None,
     ) -> None:
         super().__init__(paths, project, unsaved)
@@ -85,11 +72,11 @@ class Library(Finder):
 
     def common(self) -> "Pack[models.Phonemes]":
         """Load the common phonemes."""
-        return cast("Pack[models.Phonemes]", self._shared(COMMON))
+        return cast("Pack[models.Phonemes]", self._shared(finding.COMMON))
 
     def ipa(self) -> "Pack[models.Ipa]":
         """Load the features of the IPA."""
-        return cast("Pack[models.Ipa]", self._shared(IPA))
+        return cast("Pack[models.Ipa]", self._shared(finding.IPA))
 
     def language(self, name: str) -> "Pack[models.Language]":
         """Load a language merged with its parents; a name ENGINE:CODE needs no pack."""
@@ -129,7 +116,7 @@ class Library(Finder):
         from lipsync_lang.packs.automatic import automatic
 
         line: list[Pack[Any]] = []
-        word, languages = KIND_WORDS[kind], kind == "language"
+        word, languages = finding.KIND_WORDS[kind], kind == "language"
         while True:
             pack: Pack[Any] = self.load(path, kind, pack_name(path))
             line.append(self._usual(pack) if languages else pack)
@@ -137,7 +124,7 @@ class Library(Finder):
             if parent is None:
                 return line
             if not languages and parent.endswith(".yaml"):
-                found = beside(pack.path, parent, self.unsaved)
+                found = finding.beside(pack.path, parent, self.unsaved)
             elif self.lookup(kind, parent):
                 found = self.find(kind, parent)
             elif languages and (made := automatic(parent, self.common)) is not None:
@@ -148,7 +135,7 @@ class Library(Finder):
             path = found
             if pack_name(path) == pack_name(pack.path):
                 # A pack that extends its own name extends the one that it shadows.
-                under = self.lookup(BENEATH, str(pack.path))
+                under = self.lookup(finding.BENEATH, str(pack.path))
                 if not under:
                     what = f"there is no other {word} '{parent}' to extend"
                     hint = f"name another {word}, or leave `extends` out"
@@ -198,7 +185,7 @@ class Library(Finder):
         if found:
             path = Path(found[0])
             return cast("Pack[models.Character]", self.load(path, "character", path.stem))
-        if is_model(name):
+        if finding.is_model(name):
             raise PackError(
                 f"{name}: is a model; make a character of it with `lipsync-lang characters new`"
             )
@@ -217,7 +204,7 @@ class Library(Finder):
         """Load a character's own bank files, in the order stated."""
         paths = []
         for number, name in enumerate(character.model.banks):
-            path = beside(character.path, name, self.unsaved)
+            path = finding.beside(character.path, name, self.unsaved)
             if path is None:
                 what = f"there is no file '{name}'"
                 hint = f"it belongs in {shown(character.path.parent)}"
@@ -280,10 +267,10 @@ class Library(Finder):
 
     def _shared(self, name: str) -> "Pack[models.PackModel]":
         """Load a file of `languages` that is not a language."""
-        found = self.lookup(SHARED[name], name)
+        found = self.lookup(finding.SHARED[name], name)
         if not found:
             raise PackError(f"no {FOLDERS['language']}/{name}.yaml is in any folder searched")
-        return self.load(Path(found[0]), SHARED[name], name)
+        return self.load(Path(found[0]), finding.SHARED[name], name)
 
     def _load_all(self, paths: Sequence[Path], kind: str) -> "list[Pack[models.PackModel]]":
         packs: list[Pack[models.PackModel]] = []

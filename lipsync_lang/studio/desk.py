@@ -81,15 +81,6 @@ def refuse(path: Path, shipped: Iterable[Path], others: Iterable[Path]) -> None:
         raise OutputError(f"{shown(path)}: is the same file as {shown(other)}; edit that one")
 
 
-def shipped_folders() -> tuple[Path, ...]:
-    """Return the pack folders of installed distributions, including the built-in packs."""
-    return tuple(
-        root.path.resolve()
-        for root in Finder().roots
-        if root.origin.startswith(("built-in", "installed"))
-    )
-
-
 def write_together(
     contents: Mapping[Path, bytes | None], ready: Callable[[], object] = bool
 ) -> None:
@@ -132,7 +123,10 @@ class Desk:
         self.revision = self.restored = 0
         self.notes: list[str] = []
         self.journal: Path | None = None
-        self._shipped = shipped_folders() if shipped is None else tuple(shipped)
+        if shipped is None:  # the pack folders of installed distributions, and the built-in packs
+            roots, origins = Finder().roots, ("built-in", "installed")
+            shipped = [root.path.resolve() for root in roots if root.origin.startswith(origins)]
+        self._shipped = tuple(shipped)
         self._saved: Texts = {}
         self._steps: list[list[Json]] = []
         self._states: list[Texts] = [{}]
