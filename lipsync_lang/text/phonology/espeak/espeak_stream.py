@@ -16,7 +16,7 @@ import tempfile
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from io import FileIO
 from subprocess import PIPE
 from typing import IO, Any
@@ -37,6 +37,9 @@ TEXTS_AHEAD = 8
 
 SENT_BYTES = 4096
 """Maximum bytes sent ahead. A pipe holds more on all systems, so sending never blocks."""
+
+PIPE_BYTES = 1 << 20
+"""Size asked for the pipe of sounds, so that a forked process writes its sound and ends."""
 
 READ_BYTES = 1 << 30
 """Maximum bytes of a sound, 6 hours of speech; a worker that announces more sends garbage."""
@@ -123,6 +126,10 @@ class _WorkerStream:
         assert self.worker.stdin is not None  # noqa: S101 for the type checker
         assert isinstance(self.worker.stdout, FileIO)  # noqa: S101
         self.requests, self.replies = self.worker.stdin, self.worker.stdout
+        with suppress(ImportError, AttributeError, OSError):  # only Linux, within the user's quota
+            import fcntl
+
+            fcntl.fcntl(self.replies, fcntl.F_SETPIPE_SZ, PIPE_BYTES)
         self.ready = selectors.DefaultSelector()
         self.ready.register(self.replies, selectors.EVENT_READ)
         try:
