@@ -60,6 +60,7 @@ ALLOWED = {
         "selectors",
     ): "of pipes, only where a process can fork",
     ("text/phonology/espeak/espeak_stream.py", "register_at_fork"): "where a process can fork",
+    ("text/phonology/espeak/espeak_stream.py", "fcntl"): "its absence keeps the usual pipe",
     ("plugins/mfa/mfa_command.py", "killpg"): "not on Windows, which has taskkill",
     ("plugins/mfa/mfa_command.py", "SIGKILL"): "not on Windows, which has taskkill",
     ("plugins/study/study_clips.py", "sched_getaffinity"): "asked for first",
